@@ -48,7 +48,7 @@ void rk4_step_under_control(benchmark::State& state, double period) {
 BENCHMARK_CAPTURE(rk4_step_under_control, sampled_rns_damped, 0.001);
 BENCHMARK_CAPTURE(rk4_step_under_control, continuous_rns_damped, 0.0);
 
-/// Ten seconds under sampled control: one trial.
+/// Ten seconds under sampled control, of a single run.
 void ten_seconds(benchmark::State& state, double period) {
   JointResistance resistance;
   resistance.model = ResistanceModel::RotorInertia;
@@ -64,6 +64,21 @@ void ten_seconds(benchmark::State& state, double period) {
 }
 BENCHMARK_CAPTURE(ten_seconds, control_1ms, 0.001)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(ten_seconds, control_10ms, 0.01)->Unit(benchmark::kMillisecond);
+
+/// The same of as many runs as this processor simulates side by side; the time is that of all.
+void ten_seconds_side_by_side(benchmark::State& state, double period) {
+  PostImpactRun run{robot(), {}, moving_arm(), {}};
+  run.resistance.model = ResistanceModel::RotorInertia;
+  run.resistance.rotor_inertia = rotors();
+  run.options.control_period = run.options.step = period;
+  run.options.output_period = 0;
+  const int lanes = size_of_group(1000, 1);
+  const std::vector<PostImpactRun> runs(static_cast<std::size_t>(lanes), run);
+  measure(state, [&] { benchmark::DoNotOptimize(simulate_post_impacts(runs, rns_damped())); });
+  state.counters["runs"] = lanes;
+}
+BENCHMARK_CAPTURE(ten_seconds_side_by_side, control_1ms, 0.001)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(ten_seconds_side_by_side, control_10ms, 0.01)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace stillbase

@@ -7,5 +7,5 @@ set(STILLBASE_PRECOMPILED <algorithm> <array> <cmath> <functional> <limits> <map
 target_precompile_headers(stillbase PRIVATE ${STILLBASE_PRECOMPILED})
 # Other options than the library's, other precompiled headers.
 file(GLOB files_with_own_options ${PROJECT_SOURCE_DIR}/src/impact/batch_two_lanes.cpp
-  ${PROJECT_SOURCE_DIR}/src/impact/batch_avx*.cpp ${PROJECT_SOURCE_DIR}/src/simulation/lanes_avx*.cpp)
+  ${PROJECT_SOURCE_DIR}/src/impact/batch_avx*.cpp ${PROJECT_SOURCE_DIR}/src/simulation/lanes_*.cpp)
 set_source_files_properties(${files_with_own_options} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)

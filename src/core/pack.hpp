@@ -108,15 +108,6 @@ class Pack {
   /// kLargest), then the polynomials of fdlibm's k_sin.c and k_cos.c on [-pi/4, pi/4].
   friend void sin_and_cos(const Pack& x, Pack& sine_of_x, Pack& cosine_of_x) {
     constexpr double kLargest = 1e6;
-    bool small = true;  // false for NaN, too
-    for (int i = 0; i < N; ++i) small = small && std::abs(x.v[i]) < kLargest;
-    if (!small) {
-      for (int i = 0; i < N; ++i) {
-        sine_of_x.v[i] = std::sin(x.v[i]);
-        cosine_of_x.v[i] = std::cos(x.v[i]);
-      }
-      return;
-    }
     constexpr double kTwoOverPi = 6.36619772367581382433e-01;
     constexpr double kPart1 = 1.57079632673412561417e+00;  // the first 33 bits of pi/2
     constexpr double kPart2 = 6.07710050630396597660e-11;  // the next 33 bits
@@ -161,6 +152,11 @@ class Pack {
     const Lanes c_x = odd ? sine : cosine;
     sine_of_x = Pack(negative_sine ? -s : s);
     cosine_of_x = Pack(negative_cosine ? -c_x : c_x);
+    for (int i = 0; i < N; ++i) {
+      if (std::abs(x.v[i]) < kLargest) continue;  // not so for NaN
+      sine_of_x.v[i] = std::sin(x.v[i]);
+      cosine_of_x.v[i] = std::cos(x.v[i]);
+    }
   }
 
   Lanes v;

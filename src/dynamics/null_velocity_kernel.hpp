@@ -23,8 +23,8 @@ template <class S>
 NullVelocity<S> nearest_null_velocity(const RobotModel& robot, const JointVector<S>& phi,
                                       const std::vector<Eigen::Index>& free,
                                       const JointVector<S>& wanted) {
-  const auto inertia = kernel::inertia<S, kernel::InertiaParts::Coupling>(
-      robot, compute_kinematics<S>(robot, phi));
+  const auto inertia =
+      kernel::inertia<S, kernel::InertiaParts::Coupling>(robot, compute_kinematics<S>(robot, phi));
   const Eigen::Index m = wanted.size();
   Matrix3X<S> A(3, m);
   Matrix3<S> square = Matrix3<S>::Zero();  // A A', lower triangle

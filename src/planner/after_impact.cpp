@@ -192,6 +192,7 @@ class AfterImpact {
     const AfterContact run = simulate_after_contact(subject_, spec_, controller_, options);
     const SimulationResult& result = run.simulation;
     const SimulationSummary& summary = result.summary;
+    if (stop.reached()) return exclusion::kNotJudged;
     if (result.status != SimulationStatus::Finished) return to_string(result.status);
     const bool touches = run.encounter && run.encounter->contact.phase == ContactPhase::Touching;
     if (touches && broken.empty()) return endless_contact(subject_, spec_, controller_.kind);
@@ -272,7 +273,9 @@ std::vector<std::string> post_impact_failures(const CaptureProblem& problem,
       whole_runs.push_back(i);
     }
   }
-  for (const std::size_t i : whole_runs) failures[i] = cases[i].failure(stop);
+  for (const std::size_t i : whole_runs) {
+    failures[i] = stop.reached() ? exclusion::kNotJudged : cases[i].failure(stop);
+  }
   return failures;
 }
 

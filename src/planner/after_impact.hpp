@@ -16,6 +16,7 @@ SimulationOptions judging_options(const CaptureProblem& problem, const StopCondi
 /// post_impact_failure() of configurations that meet one contact feature, simulated side by side.
 /// @param model the encounter with that feature: to make it takes longer than what follows
 /// @param impacts one per configuration
+/// @return exclusion::kNotJudged for what is not known when the stop is reached
 std::vector<std::string> post_impact_failures(const CaptureProblem& problem,
                                               const EncounterModel& model,
                                               const std::vector<Configuration>& configurations,

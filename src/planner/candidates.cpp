@@ -13,16 +13,8 @@
 #include "plan/exclusion_words.hpp"
 #include "planner/after_impact.hpp"
 #include "planner/choice.hpp"
-#include "planner/contact_case.hpp"
 
 namespace stillbase {
-
-namespace {
-
-/// Configurations whose time after the impact is simulated side by side.
-constexpr std::size_t kSimulatedTogether = 8;
-
-}  // namespace
 
 // A hand that moves is there at the contact alone: its run to it is judged with the path.
 std::string CollisionJudge::first_collision(const Configuration& configuration) const {
@@ -87,36 +79,42 @@ std::optional<std::string> AfterImpactJudge::known(const Configuration& configur
   return at != known_.end() ? std::optional(at->second) : std::nullopt;
 }
 
-void AfterImpactJudge::simulate(const std::vector<Configuration>& configurations) {
+std::vector<std::string> AfterImpactJudge::simulate(
+    const std::vector<Configuration>& configurations) {
   std::vector<ImpactSummary> impacts;
   for (const Configuration& at : configurations) {
     impacts.push_back(impact_at(problem_, model_, encounter_at(model_, at), at.phi));
   }
-  const auto failures = post_impact_failures(problem_, model_, configurations, impacts, stop_);
+  auto failures = post_impact_failures(problem_, model_, configurations, impacts, stop_);
   const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < failures.size(); ++i) {
-    known_.emplace_back(configurations[i], failures[i]);
+    if (failures[i] != exclusion::kNotJudged) known_.emplace_back(configurations[i], failures[i]);
   }
+  return failures;
 }
 
 std::string AfterImpactJudge::failure(const Configuration& configuration) {
   if (const auto failure = known(configuration)) return *failure;
   if (stop_.reached()) return exclusion::kNotJudged;
   const PhaseClock::Phase phase(clock_, "after_impact");
-  simulate({configuration});
-  return *known(configuration);
+  return simulate({configuration}).front();
 }
 
 void AfterImpactJudge::judge_all(const std::vector<Configuration>& configurations) {
   const PhaseClock::Phase phase(clock_, "after_impact");
-  std::vector<std::vector<Configuration>> groups;
+  std::vector<Configuration> open;
   for (const Configuration& at : configurations) {
-    if (known(at)) continue;
-    if (groups.empty() || groups.back().size() == kSimulatedTogether) groups.emplace_back();
-    groups.back().push_back(at);
+    const bool repeats = std::any_of(open.begin(), open.end(), [&](const Configuration& other) {
+      return is_same_configuration(other, at);
+    });
+    if (!repeats && !known(at)) open.push_back(at);
   }
-  for_each_index(jobs_, static_cast<int>(groups.size()), stop_,
-                 [&](int i) { simulate(groups[static_cast<std::size_t>(i)]); });
+  const int count = static_cast<int>(open.size());
+  const int together = size_of_group(count, jobs_);
+  for_each_index(jobs_, (count + together - 1) / together, stop_, [&](int i) {
+    const auto first = open.begin() + i * together;
+    simulate({first, first + std::min(together, count - i * together)});
+  });
 }
 
 CandidateOrder candidates_to_try(const CaptureProblem& problem,

@@ -82,7 +82,7 @@ class AfterImpactJudge {
 
  private:
   std::optional<std::string> known(const Configuration& configuration);
-  void simulate(const std::vector<Configuration>& configurations);
+  std::vector<std::string> simulate(const std::vector<Configuration>& configurations);
 
   const CaptureProblem& problem_;
   const EncounterModel model_;

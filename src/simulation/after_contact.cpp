@@ -191,6 +191,7 @@ std::vector<AfterContact> simulate_after_contacts(const std::vector<ContactCase>
                                                   const PostImpactSpec& spec,
                                                   const Controller& controller,
                                                   const std::vector<SimulationOptions>& options) {
+  if (options.size() != subjects.size()) throw std::invalid_argument("one per case: options");
   std::vector<AfterContact> results(subjects.size());
   std::vector<PostImpactRun> runs;
   std::vector<std::size_t> places;

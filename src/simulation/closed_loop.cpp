@@ -218,7 +218,7 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, R
                                                               : Vector3d(Vector3d::Zero()));
     }
     Observation now{t, state, command_, demanded_, saturated_};
-    observe_terms(controller_, terms, now);
+    observe_terms(controller_, options_.sensors, terms, now);
     recorder->observe(now);
   }
 

@@ -147,6 +147,9 @@ struct Course {
   Recorder recorder;
   Ticks control, output;  ///< instants that are still to come
   long steps = 0;         ///< of the integrator
+  /// Within the stretch between two instants, at whose end alone it is asked whether the run is
+  /// over.
+  bool is_within_stretch = false;
 
   Course(const RobotModel& robot, const Controller& controller, const SimulationOptions& options)
       : recorder(robot, controller, options),

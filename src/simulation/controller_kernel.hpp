@@ -117,7 +117,7 @@ JointVector<S> torque_for(const TildeInertia<S>& tilde, const TildeBias<S>& bias
   return tau;
 }
 
-/// Joint torques (18) of every controller but `detumble`, for a moment t_b on the base.
+/// Joint torques (18) for a moment t_b on the base; of `detumble` those that stop the joints alone.
 /// @param terms with members `inertia` and `bias`
 template <class S, class Terms>
 JointVector<S> joint_torque(const Controller& controller, const Terms& terms,
@@ -134,10 +134,10 @@ JointVector<S> joint_torque(const Controller& controller, const Terms& terms,
     for (Eigen::Index k = 0; k < n; ++k) tau[k] -= S(controller.K_phi) * phidot[k];
     return tau;
   }
-  if (controller.kind == ControllerKind::JointDamping) {
-    for (Eigen::Index k = 0; k < n; ++k) phiddot[k] = -S(controller.K_phi) * phidot[k];
-  } else {
+  if (is_reaction_null_space_control(controller.kind)) {
     phiddot = null_space_acceleration<S>(controller, tilde, bias, omega, phidot, t_b);
+  } else {
+    for (Eigen::Index k = 0; k < n; ++k) phiddot[k] = -S(controller.K_phi) * phidot[k];
   }
   return torque_for<S>(tilde, bias, phiddot, t_b);
 }
@@ -167,8 +167,32 @@ S limited_torque(const Joint& joint, bool torque_limit, bool rate_limit, const S
     const auto keeps = at_least(S(0), tau * rate);
     out = where(at_least(abs(rate), S(joint.max_velocity)), where(keeps, tau, S(0)), tau);
   }
-  if (torque_limit) out = max(S(-joint.max_effort), min(S(joint.max_effort), out));
+  // In this order NaN stays what it is.
+  if (torque_limit) out = max(min(out, S(joint.max_effort)), S(-joint.max_effort));
   return out;
+}
+
+/// L_g' C^-1 L_g with the covariance C of what sensors measure of an angular momentum,
+/// sigma_base^2 Htilde_omega Htilde_omega' + sigma_joint^2 Htilde_omegaphi Htilde_omegaphi'. Up to
+/// one they do not tell it from none.
+template <class S>
+S momentum_in_deviations(const SensorSpec& sensors, const TildeInertia<S>& tilde,
+                         const Vector3<S>& L_g) {
+  const S base(sensors.base_rate_error * sensors.base_rate_error);
+  const S joints(sensors.joint_rate_error * sensors.joint_rate_error);
+  Matrix3<S> C = Matrix3<S>::Zero();
+  const auto add = [&C](const S& variance, const auto& columns) {
+    for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+      const Vector3<S> column = columns.col(k);
+      C += column * column.transpose() * variance;
+    }
+  };
+  add(base, tilde.Htilde_omega);
+  add(joints, tilde.Htilde_omegaphi);
+  Vector3<S> x = L_g;
+  factorize_cholesky(C);
+  solve_cholesky(C, x);
+  return L_g.dot(x);
 }
 
 /// Whether the joint's largest torque has cut what was demanded.

@@ -23,6 +23,8 @@ class Integrator {
   SimulationStatus advance(ClosedLoop& loop, StateVector& x, double& t, double t1,
                            Recorder& recorder);
   long steps() const { return steps_; }
+  /// @param steps that the run has had before
+  void count_from(long steps) { steps_ = steps; }
 
  protected:
   explicit Integrator(const SimulationOptions& options) : options_(options) {}

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 
 #include "core/pack.hpp"
 #include "simulation/lane_kernels.hpp"
@@ -31,6 +32,7 @@ struct LaneRobot {
         couplings(pattern.couplings),
         moves_hand(pattern.moves_hand),
         hand_body(pattern.hand_body) {
+    assert(num_bodies() <= kMaxJointsOf<S>);
     const double* from = robots.bodies;
     load(from, base);
     for (int k = 0; k < num_bodies(); ++k) {

@@ -21,7 +21,7 @@ struct LaneState {
 
   explicit LaneState(int n) : phi(n), phidot(n) {}
 
-  /// Calls do(number, index) for every number in the order of a column.
+  /// Calls action(number, index) for every number in the order of a column.
   template <class State, class Do>
   static void visit(State& state, Do action) {
     int i = 0;
@@ -60,20 +60,21 @@ struct LaneState {
   }
 };
 
+/// What acts on the robots during a step.
 template <class S>
 struct LaneLoad {
-  Vector3<S> wheel_momentum;
-  JointVector<S> tau;
+  Vector3<S> wheel_momentum;  ///< in B
+  JointVector<S> tau;         ///< after limits
 };
 
-/// Adds nothing to the terms but what moves the robots.
+/// The acceleration by (3) with held torques and wheels.
+/// @param factor of the inertia matrix
 template <class S>
-GeneralizedMotion<S> lane_acceleration(const LaneStep& step, const MotionTerms<S>& terms,
+GeneralizedMotion<S> lane_acceleration(const InertiaFactor<S>& factor, const MotionTerms<S>& terms,
                                        const LaneState<S>& x, const LaneLoad<S>& load) {
   Vector6<S> F_b = Vector6<S>::Zero();
   const Vector3<S> omega = x.Omega.template tail<3>();
   F_b.template tail<3>() = -omega.cross(load.wheel_momentum);
-  const auto factor = factorize_inertia<S>(terms.inertia, *step.nothing_added, *step.none_locked);
   return acceleration_of<S>(factor, terms.bias, F_b, load.tau);
 }
 
@@ -98,10 +99,13 @@ template <class S>
 LaneState<S> lane_rate_at(const LaneStep& step, const LaneRobot<S>& plant, const LaneState<S>& x,
                           const LaneLoad<S>& load) {
   const MotionTerms<S> terms(plant, *step.rotor_inertia, x.phi, x.Omega, x.phidot);
-  return lane_rate<S>(x, lane_acceleration<S>(step, terms, x, load));
+  const auto factor = factorize_inertia<S>(terms.inertia, *step.nothing_added, *step.none_locked);
+  return lane_rate<S>(x, lane_acceleration<S>(factor, terms, x, load));
 }
 
 /// Torques of a control instant, before limits and after them.
+/// @param terms, tilde, known, measured what the controller knows
+/// @param phidot true joint rates, which the drives' limits depend on
 template <class S>
 void command_lanes(const LaneStep& step, const MotionTerms<S>& terms, const TildeInertia<S>& tilde,
                    const RobotModel& known, const LaneState<S>& measured,
@@ -127,21 +131,25 @@ template <class S>
 void observe_lanes(const LaneStep& step, const LaneRobot<S>& plant, const MotionTerms<S>& terms,
                    const TildeInertia<S>& tilde, const LaneState<S>& x,
                    const GeneralizedMotion<S>& motion) {
+  using At = ObservationOffset;
   const auto put = [&step](int i, const S& value) { value.store(step.observed + i * S::kLanes); };
   const auto put3 = [&put](int i, const Vector3<S>& value) {
     for (int k = 0; k < 3; ++k) put(i + k, value[k]);
   };
   const Momentum<S> momentum = compute_momentum<S>(terms.inertia, tilde, x.Omega, x.phidot);
-  put3(kLaneBase, momentum.base);
-  put3(kLaneCoupling, momentum.coupling);
-  put3(kLaneLinear, momentum.P);
-  put(kLaneEnergy, kinetic_energy_of<S>(terms.inertia, x.Omega, x.phidot));
-  put(kLaneInertia, tilde.Htilde_omega(0, 0) + tilde.Htilde_omega(1, 1) + tilde.Htilde_omega(2, 2));
+  put3(At::base, momentum.base);
+  put3(At::coupling, momentum.coupling);
+  put3(At::P, momentum.P);
+  put(At::energy, kinetic_energy_of<S>(terms.inertia, x.Omega, x.phidot));
+  put(At::inertia, tilde.Htilde_omega(0, 0) + tilde.Htilde_omega(1, 1) + tilde.Htilde_omega(2, 2));
+  if (step.sensors != nullptr) {
+    put(At::seen, momentum_in_deviations<S>(*step.sensors, tilde, momentum.L_g));
+  }
   if (is_reaction_null_space_control(step.controller->kind)) {
     const auto transfer =
         compute_momentum_transfer<S>(*step.controller, tilde.Htilde_omegaphi, momentum.L_g);
-    put(kLaneRank, transfer.rank);
-    put3(kLaneUnreachable, transfer.unreachable(momentum.L_g));
+    put(At::rank, transfer.rank);
+    put3(At::unreachable, transfer.unreachable(momentum.L_g));
   }
   if (step.held == nullptr) return;
   const auto held = [&step](int i) { return S::load(step.held + i * S::kLanes); };
@@ -153,7 +161,7 @@ void observe_lanes(const LaneStep& step, const LaneRobot<S>& plant, const Motion
   const Vector6<S> wrench =
       kernel::grip_wrench<S>(held(0), inertia, position, axes, plant, terms.kinematics, x.Omega,
                              x.phidot, motion.Omega, motion.phidot);
-  for (int i = 0; i < 6; ++i) put(kLaneGrip + i, wrench[i]);
+  for (int i = 0; i < 6; ++i) put(At::grip + i, wrench[i]);
 }
 
 template <class S>
@@ -174,13 +182,15 @@ void advance_lanes(const LaneStep& step) {
   } else {
     const LaneRobot<S> known(step.known);
     LaneState<S> measured(n);
-    measured.load(step.measured != nullptr ? step.measured : step.state);
+    measured.load(step.measured);
     const MotionTerms<S> own(known, *step.rotor_inertia, measured.phi, measured.Omega,
                              measured.phidot);
     command_lanes<S>(step, own, compute_tilde_inertia<S>(own.inertia), known.pattern, measured,
                      x.phidot, load);
   }
-  const GeneralizedMotion<S> motion = lane_acceleration<S>(step, terms, x, load);
+  const auto factor =
+      factorize_inertia<S>(terms.inertia, tilde, *step.nothing_added, *step.none_locked);
+  const GeneralizedMotion<S> motion = lane_acceleration<S>(factor, terms, x, load);
   observe_lanes<S>(step, plant, terms, tilde, x, motion);
   const double h = step.h;
   if (h == 0) return;

@@ -1,8 +1,9 @@
 // Runs side by side: what simulate_post_impact() does, for several robots at once.
 #include <algorithm>
-#include <cmath>
 #include <iterator>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "simulation/closed_loop.hpp"
 #include "simulation/controller_kernel.hpp"
@@ -13,13 +14,13 @@
 namespace stillbase {
 namespace {
 
-/// The widest kernel that this processor runs; null: none.
-const LaneKernel* widest_kernel() {
-  static const LaneKernel* const widest = []() -> const LaneKernel* {
+/// The widest kernel that this processor runs.
+const LaneKernel& widest_kernel() {
+  static const LaneKernel& widest = []() -> const LaneKernel& {
     for (const LaneKernel* kernel : {lane_kernel_avx512(), lane_kernel_avx2()}) {
-      if (kernel != nullptr && kernel->runs_here()) return kernel;
+      if (kernel != nullptr && kernel->runs_here()) return *kernel;
     }
-    return nullptr;
+    return *lane_kernel_two_lanes();
   }();
   return widest;
 }
@@ -45,6 +46,11 @@ bool same_joints(const RobotModel& a, const RobotModel& b) {
          a.moves_hand == b.moves_hand;
 }
 
+const RobotModel* known_robot(const PostImpactRun& run) {
+  if (run.options.controller_robot) return &*run.options.controller_robot;
+  return run.options.sensors.are_exact() ? nullptr : &run.robot;
+}
+
 /// Whether all that changes the equations within a run is a joint that reaches its stop.
 bool fits_a_lane(const LaneKernel& kernel, const PostImpactRun& run, const Controller& controller) {
   const SimulationOptions& options = run.options;
@@ -55,28 +61,35 @@ bool fits_a_lane(const LaneKernel& kernel, const PostImpactRun& run, const Contr
   const bool is_sampled = options.control_period > 0 &&
                           (options.output_period <= 0 || options.output_period >= options.horizon);
   const bool is_free = !options.friction && !options.thrusters.exist() && !options.base_wrench;
-  const int bodies = run.robot.num_bodies();
+  const auto is_small = [&](const RobotModel& robot) {
+    return robot.n() <= kernel.max_joints && robot.num_bodies() <= kernel.max_joints;
+  };
+  const RobotModel* const known = known_robot(run);
   return is_steady && has_fixed_steps && is_sampled && is_free && options.joint_stops &&
-         !options.ends_at_stop && run.robot.n() > 0 && bodies <= kernel.max_joints &&
-         run.robot.n() <= kernel.max_joints;
+         !options.ends_at_stop && run.robot.n() > 0 && is_small(run.robot) &&
+         (known == nullptr || is_small(*known));
 }
 
-const RobotModel* known_robot(const PostImpactRun& run) {
-  if (run.options.controller_robot) return &*run.options.controller_robot;
-  return run.options.sensors.are_exact() ? nullptr : &run.robot;
+bool same_stop(const StopCondition& a, const StopCondition& b) {
+  return a.interrupted == b.interrupted && a.deadline == b.deadline;
 }
 
 /// Whether runs that fit lanes can be neighbours.
 bool are_alike(const PostImpactRun& a, const PostImpactRun& b) {
   const SimulationOptions &x = a.options, &y = b.options;
+  const SensorSpec &s = x.sensors, &t = y.sensors;
   const RobotModel *known_a = known_robot(a), *known_b = known_robot(b);
   return x.integrator == y.integrator && x.step == y.step && x.control_period == y.control_period &&
          x.start_time == y.start_time && x.horizon == y.horizon &&
          x.torque_limits == y.torque_limits && x.rate_limits == y.rate_limits &&
-         x.max_steps == y.max_steps && x.grasp.target.has_value() == y.grasp.target.has_value() &&
+         x.max_steps == y.max_steps && same_stop(x.stop, y.stop) &&
+         s.base_rate_error == t.base_rate_error && s.joint_rate_error == t.joint_rate_error &&
+         s.are_exact() == t.are_exact() &&
+         x.grasp.target.has_value() == y.grasp.target.has_value() &&
+         same_joints(a.robot, b.robot) &&
          added_plant_inertia(a.resistance, a.robot.n()) ==
              added_plant_inertia(b.resistance, b.robot.n()) &&
-         same_joints(a.robot, b.robot) && (known_a == nullptr) == (known_b == nullptr) &&
+         (known_a == nullptr) == (known_b == nullptr) &&
          (known_a == nullptr || same_joints(*known_a, *known_b));
 }
 
@@ -132,11 +145,7 @@ struct RobotColumns {
 };
 
 void put_state(const PlantState& state, int lane, LaneColumns& columns) {
-  int next = columns.put(0, lane, state.base.position);
-  next = columns.put(next, lane, state.base.orientation.coeffs());
-  next = columns.put(next, lane, state.phi);
-  next = columns.put(next, lane, state.Omega);
-  columns.put(next, lane, state.phidot);
+  columns.put(0, lane, pack(state).head(13 + 2 * state.phi.size()));
 }
 
 /// What of a state moves.
@@ -153,9 +162,15 @@ bool take_state(const LaneColumns& columns, int lane, PlantState& state) {
   return is_bounded(x);
 }
 
+PlantState with_unit_attitude(PlantState state) {
+  state.base.orientation.normalize();
+  return state;
+}
+
 /// One run in its lane.
 struct Lane {
   const PostImpactRun& run;
+  PlantState first;
   PlantState state;  ///< at the beginning of the step
   Course course;
   Sensing sensing;
@@ -169,12 +184,12 @@ struct Lane {
 
   Lane(const PostImpactRun& its_run, const Controller& controller)
       : run(its_run),
-        state(run.initial),
+        first(with_unit_attitude(run.initial)),
+        state(first),
         course(run.robot, controller, run.options),
         sensing(run.options.sensors, run.options.control_period),
         command{JointVectord::Zero(run.robot.n())},
         demanded(JointVectord::Zero(run.robot.n())) {
-    state.base.orientation.normalize();
     course.output.fires_at(run.options.start_time);  // the first state goes into the trace anyway
   }
 
@@ -203,25 +218,25 @@ class LaneGroup {
         measured_(13 + 2 * n_, kernel.lanes),
         tau_(n_, kernel.lanes),
         demanded_(n_, kernel.lanes),
-        observed_(kLaneObservations, kernel.lanes),
+        observed_(At::count, kernel.lanes),
         rotor_inertia_(added_plant_inertia(runs.front()->resistance, n_)),
         nothing_added_(JointVectord::Zero(n_)) {
     for (const PostImpactRun* run : runs)
       lanes_.push_back(std::make_unique<Lane>(*run, controller));
-    // Lanes without a run repeat the first one.
     const RobotModel* const known = known_robot(*runs.front());
     if (known != nullptr) known_.emplace(*known, kernel.lanes);
     for (int l = 0; l < kernel.lanes; ++l) {
-      const PostImpactRun& run = *runs[static_cast<std::size_t>(l) < runs.size() ? l : 0];
+      const PostImpactRun& run = lane_or_first(l).run;
       plant_.put(l, run.robot);
       if (known_) known_->put(l, *known_robot(run));
       if (run.options.grasp.target) put_held(l, *run.options.grasp.target);
       if (run.options.wheels.exist()) wheels_.put(0, l, run.initial.wheel_momentum);
-      put_state(run.initial, l, states_);
+      put_state(lane_or_first(l).state, l, states_);
     }
     step_.plant = plant_.view(runs.front()->robot);
     if (known_) step_.known = known_->view(*known);
     step_.controller = &controller_;
+    if (!options_.sensors.are_exact()) step_.sensors = &options_.sensors;
     step_.rotor_inertia = &rotor_inertia_;
     step_.nothing_added = &nothing_added_;
     step_.none_locked = &none_locked_;
@@ -270,6 +285,14 @@ class LaneGroup {
   }
 
  private:
+  using At = ObservationOffset;
+
+  /// Lanes without a run have the robot of the first one.
+  const Lane& lane_or_first(int l) const {
+    const auto i = static_cast<std::size_t>(l);
+    return *lanes_[i < lanes_.size() ? i : 0];
+  }
+
   void put_held(int l, const HeldTarget& held) {
     held_.at(0, l) = held.body.mass;
     int next = held_.put(1, l, held.body.inertia);
@@ -288,10 +311,16 @@ class LaneGroup {
     }
   }
 
-  /// A lane whose run is over repeats its first state, so that its numbers stay finite.
-  void stop_moving(int l, Lane& lane) {
-    lane.is_moving = false;
-    put_state(lane.run.initial, l, states_);
+  /// Lanes without a run, or whose run is over, do their first step again and again, so that their
+  /// numbers stay finite.
+  void reset_idle_lanes() {
+    for (int l = 0; l < kernel_.lanes; ++l) {
+      const auto i = static_cast<std::size_t>(l);
+      if (i < lanes_.size() && lanes_[i]->is_moving) continue;
+      const PlantState& first = lane_or_first(l).first;
+      put_state(first, l, states_);
+      put_state(first, l, measured_);
+    }
   }
 
   /// The states after a step from t. A lane that cannot do this step leaves the group before it.
@@ -310,22 +339,22 @@ class LaneGroup {
       lane.leaves_at = t;
       lane.course.control = control;
       lane.course.steps = steps_;
-      stop_moving(l, lane);
+      lane.course.is_within_stretch = control.next() > t;
+      lane.is_moving = false;
     });
   }
 
   void end_early(double t) {
-    const auto is_over = [](const Lane& lane) {
-      const auto& ends_when = lane.run.options.ends_when;
-      return ends_when && ends_when(lane.course.recorder.so_far());
-    };
-    bool any = false;
-    for_each_moving([&](int, Lane& lane) { any = any || is_over(lane); });
-    if (!any) return;
-    look();
+    std::vector<int> over;
     for_each_moving([&](int l, Lane& lane) {
-      if (is_over(lane)) end(t, SimulationStatus::Finished, l, lane);
+      const auto& ends_when = lane.run.options.ends_when;
+      if (ends_when && ends_when(lane.course.recorder.so_far())) over.push_back(l);
     });
+    if (over.empty()) return;
+    look();
+    for (const int l : over) {
+      end(t, SimulationStatus::Finished, l, *lanes_[static_cast<std::size_t>(l)]);
+    }
   }
 
   void end_all(double t, SimulationStatus status) {
@@ -337,7 +366,7 @@ class LaneGroup {
     lane.course.recorder.record_next();
     observe(t, l, lane);
     lane.result = lane.course.recorder.take(status, steps_);
-    stop_moving(l, lane);
+    lane.is_moving = false;
   }
 
   void measure() {
@@ -353,12 +382,14 @@ class LaneGroup {
   void look() {
     step_.commands = false;
     step_.h = 0;
+    reset_idle_lanes();
     kernel_.advance(step_);
   }
 
   void advance(double t, double h, bool commands) {
     step_.commands = commands;
     step_.h = h;
+    reset_idle_lanes();
     kernel_.advance(step_);
     for_each_moving([&](int l, Lane& lane) { observe(t, l, lane); });
   }
@@ -373,20 +404,21 @@ class LaneGroup {
       lane.saturated = lane.saturated || is_cut(joint, lane.demanded[k], lane.command.tau[k]);
     }
     Observation now{t, lane.state, lane.command, lane.demanded, lane.saturated};
-    observed_.take(kLaneBase, l, now.momentum.base);
-    observed_.take(kLaneCoupling, l, now.momentum.coupling);
-    observed_.take(kLaneLinear, l, now.momentum.P);
+    observed_.take(At::base, l, now.momentum.base);
+    observed_.take(At::coupling, l, now.momentum.coupling);
+    observed_.take(At::P, l, now.momentum.P);
     now.momentum.L_g = now.momentum.base + now.momentum.coupling;
-    now.kinetic_energy = observed_.at(kLaneEnergy, l);
-    now.central_inertia = observed_.at(kLaneInertia, l);
+    now.kinetic_energy = observed_.at(At::energy, l);
+    now.central_inertia = observed_.at(At::inertia, l);
     now.mass = lane.run.robot.total_mass();
+    if (step_.sensors != nullptr) now.momentum_seen = observed_.at(At::seen, l);
     if (is_reaction_null_space_control(controller_.kind)) {
-      now.rank = static_cast<int>(observed_.at(kLaneRank, l));
-      observed_.take(kLaneUnreachable, l, now.unreachable);
+      now.rank = static_cast<int>(observed_.at(At::rank, l));
+      observed_.take(At::unreachable, l, now.unreachable);
     }
     if (options_.grasp.target) {
       Vector6d wrench;
-      observed_.take(kLaneGrip, l, wrench);
+      observed_.take(At::grip, l, wrench);
       lane.course.recorder.observe_grip(wrench);
     }
     lane.course.recorder.observe(now);
@@ -413,26 +445,30 @@ std::vector<SimulationResult> simulate_post_impacts(const std::vector<PostImpact
   for (const PostImpactRun& run : runs) {
     check_simulation(run.robot, run.resistance, run.initial, controller, run.options);
   }
-  const LaneKernel* const kernel = widest_kernel();
+  const LaneKernel& kernel = widest_kernel();
   std::vector<SimulationResult> results;
   for (std::size_t i = 0; i < runs.size();) {
     std::vector<const PostImpactRun*> group;
     const auto joins = [&](const PostImpactRun& run) {
-      return static_cast<int>(group.size()) < kernel->lanes &&
-             fits_a_lane(*kernel, run, controller) &&
+      return static_cast<int>(group.size()) < kernel.lanes &&
+             fits_a_lane(kernel, run, controller) &&
              (group.empty() || are_alike(*group.front(), run));
     };
-    while (kernel != nullptr && i < runs.size() && joins(runs[i])) group.push_back(&runs[i++]);
+    while (i < runs.size() && joins(runs[i])) group.push_back(&runs[i++]);
     if (group.empty()) {
       const PostImpactRun& run = runs[i++];
       results.push_back(
           simulate_post_impact(run.robot, run.resistance, run.initial, controller, run.options));
       continue;
     }
-    auto found = LaneGroup(*kernel, group, controller).run();
+    auto found = LaneGroup(kernel, group, controller).run();
     std::move(found.begin(), found.end(), std::back_inserter(results));
   }
   return results;
+}
+
+int size_of_group(int count, int threads) {
+  return std::clamp((count + threads - 1) / std::max(1, threads), 1, widest_kernel().lanes);
 }
 
 }  // namespace stillbase

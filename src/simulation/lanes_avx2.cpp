@@ -1,3 +1,4 @@
+// The lane kernel for registers of four doubles.
 #ifdef __AVX2__
 #include "simulation/lane_step.hpp"
 #else

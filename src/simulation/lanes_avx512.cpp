@@ -1,3 +1,4 @@
+// The lane kernel for registers of eight doubles.
 #ifdef __AVX512F__
 #include "simulation/lane_step.hpp"
 #else

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stillbase/dynamics/reaction_null_space.hpp>
 
+#include "simulation/controller_kernel.hpp"
+
 namespace stillbase {
 namespace {
 
@@ -12,12 +14,6 @@ constexpr double kNoMomentum = 1e-9;
 /// Of the angular momentum that the first kinetic energy could hold: what a run that has none shows
 /// by its integration.
 constexpr double kNoRotation = 1e-6;
-
-/// The tilde inertia of an observation; it does not depend on the rotors.
-TildeInertia<double> tilde_of(const RobotModel& robot, const Observation& now) {
-  if (now.terms != nullptr) return now.terms->tilde;
-  return compute_tilde_inertia(compute_inertia(robot, compute_kinematics(robot, now.state.phi)));
-}
 
 TraceSample make_sample(const RobotModel& robot, const Observation& now) {
   TraceSample sample;
@@ -28,8 +24,12 @@ TraceSample make_sample(const RobotModel& robot, const Observation& now) {
   sample.total = now.momentum.L_g;
   sample.total_N = now.state.base.orientation * now.momentum.L_g;
   sample.P_N = now.state.base.orientation * now.momentum.P;
+  const auto tilde =
+      now.terms != nullptr
+          ? now.terms->tilde
+          : compute_tilde_inertia(compute_inertia(robot, compute_kinematics(robot, now.state.phi)));
   const JointVelocityParts parts =
-      decompose_joint_velocity(angular_reaction_null_space(tilde_of(robot, now)), now.state.phidot);
+      decompose_joint_velocity(angular_reaction_null_space(tilde), now.state.phidot);
   sample.rns = parts.rns;
   sample.orthogonal = parts.orthogonal;
   sample.tau = now.command.tau;
@@ -38,20 +38,6 @@ TraceSample make_sample(const RobotModel& robot, const Observation& now) {
   sample.thruster_torque = now.command.thruster_torque;
   sample.kinetic_energy = now.kinetic_energy;
   return sample;
-}
-
-/// Whether the sensors do not tell an angular momentum from none: L_g' C^-1 L_g <= 1 with the
-/// covariance C of what they measure of it, sigma_base^2 Htilde_omega Htilde_omega' +
-/// sigma_joint^2 Htilde_omegaphi Htilde_omegaphi'.
-bool is_unseen(const SensorSpec& sensors, const RobotModel& robot, const Observation& now) {
-  const double base = sensors.base_rate_error, joints = sensors.joint_rate_error;
-  if (!(base > 0 || joints > 0)) return false;
-  const TildeInertia<double> tilde = tilde_of(robot, now);
-  const Eigen::LLT<Matrix3d> C(base * base * tilde.Htilde_omega * tilde.Htilde_omega.transpose() +
-                               joints * joints * tilde.Htilde_omegaphi *
-                                   tilde.Htilde_omegaphi.transpose());
-  const Vector3d& L_g = now.momentum.L_g;
-  return C.info() == Eigen::Success && L_g.dot(C.solve(L_g)) <= 1;
 }
 
 /// First zero in [0, 1] of the cubic Hermite segment from (y0, slope m0) to (y1, slope m1) with
@@ -70,12 +56,16 @@ double hermite_crossing(double y0, double m0, double y1, double m1) {
 
 }  // namespace
 
-void observe_terms(const Controller& controller, const PlantTerms& terms, Observation& out) {
+void observe_terms(const Controller& controller, const SensorSpec& sensors, const PlantTerms& terms,
+                   Observation& out) {
   const PlantState& state = out.state;
   out.momentum = compute_momentum(terms.inertia, terms.tilde, state.Omega, state.phidot);
   out.kinetic_energy = kinetic_energy(terms.inertia, state);
   out.mass = terms.inertia.mass;
   out.central_inertia = terms.tilde.Htilde_omega.trace();
+  if (!sensors.are_exact()) {
+    out.momentum_seen = momentum_in_deviations<double>(sensors, terms.tilde, out.momentum.L_g);
+  }
   out.terms = &terms;
   if (!is_reaction_null_space_control(controller.kind)) return;
   const auto transfer =
@@ -223,7 +213,7 @@ void Recorder::watch_rest(const Observation& now) {
   const bool rests =
       !touches &&
       rate <= std::max({kJointsAtRest, kAtRest * peak_rate_, options_.sensors.joint_rate_error}) &&
-      (L_g <= least || is_unseen(options_.sensors, robot_, now));
+      (L_g <= least || now.momentum_seen <= 1);
   std::optional<double>& since = result_.summary.rest_time;
   if (!rests) since.reset();
   if (rests && !since) since = std::max(now.time, 0.0);  // a compliant contact starts before zero

@@ -1,6 +1,7 @@
 // Watches a run: extremes, limits, trace.
 #pragma once
 
+#include <stillbase/core/constants.hpp>
 #include <stillbase/simulation/simulate.hpp>
 
 namespace stillbase {
@@ -18,11 +19,13 @@ struct Observation {
   double central_inertia = 0;               ///< trace of Htilde_omega, kg m^2
   int rank = 3;                             ///< directions that the arm fully reaches
   Vector3d unreachable = Vector3d::Zero();  ///< momentum that it does not take over
+  double momentum_seen = kInfinity;         ///< momentum_in_deviations(); of exact sensors infinite
   const PlantTerms* terms = nullptr;        ///< null: computed from the state where needed
 };
 
 /// What follows from the terms of (3).
-void observe_terms(const Controller& controller, const PlantTerms& terms, Observation& out);
+void observe_terms(const Controller& controller, const SensorSpec& sensors, const PlantTerms& terms,
+                   Observation& out);
 
 class Recorder {
  public:

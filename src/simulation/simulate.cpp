@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stillbase/core/error.hpp>
+#include <utility>
 
 #include "simulation/integrators.hpp"
 
@@ -128,7 +129,9 @@ SimulationResult run_on(ClosedLoop& loop, StateVector& x, double& t, Course& cou
       is_adaptive ? make_adaptive_integrator(options) : make_fixed_integrator(options);
   const double end = options.start_time + options.horizon;
   SimulationStatus status = SimulationStatus::Finished;
+  integrator->count_from(course.steps);
   const auto is_over = [&] {
+    if (std::exchange(course.is_within_stretch, false)) return false;
     return loop.is_over() || (options.ends_when && options.ends_when(recorder.so_far()));
   };
   while (t < end && status == SimulationStatus::Finished && !is_over()) {
@@ -142,7 +145,7 @@ SimulationResult run_on(ClosedLoop& loop, StateVector& x, double& t, Course& cou
   recorder.record_next();
   StateVector unused;
   loop.derivative(t, x, unused, &recorder);
-  return recorder.take(status, course.steps + integrator->steps());
+  return recorder.take(status, integrator->steps());
 }
 
 SimulationResult run_loop(ClosedLoop& loop, StateVector& x, double& t, const RobotModel& robot,

@@ -44,7 +44,7 @@ Vector3d drawn_direction(const CaptureProblem& problem, const Vector3d& n, doubl
 struct DrawnTrial {
   CaptureProblem truth;
   TrialOutcome outcome;
-  std::optional<ContactCase> subject;  ///< empty: nothing moves after the impact
+  std::optional<ContactCase> subject;  ///< empty: no controller moves the robot after the impact
   SimulationOptions options;
 };
 
@@ -285,18 +285,19 @@ std::vector<TrialOutcome> run_together(const Situation& nominal, const Perturbat
                                        std::uint64_t seed, int first, int count,
                                        const StopCondition& stop) {
   std::vector<DrawnTrial> trials;
-  std::vector<ContactCase> subjects;
-  std::vector<SimulationOptions> options;
   for (int i = 0; i < count; ++i) {
     trials.push_back(draw_trial(nominal, sizes, seed, first + i, stop));
-    if (!trials.back().subject) continue;
-    subjects.push_back(std::move(*trials.back().subject));
-    options.push_back(std::move(trials.back().options));
   }
-  if (!subjects.empty()) {
-    const PostImpactSpec& spec = nominal.problem.post_impact;
+  const PostImpactSpec& spec = nominal.problem.post_impact;
+  if (!spec.controllers.empty()) {
     const auto controller = chosen_controller(spec);
     if (!controller) throw std::invalid_argument("no controller " + spec.controllers.front());
+    std::vector<ContactCase> subjects;
+    std::vector<SimulationOptions> options;
+    for (DrawnTrial& trial : trials) {
+      subjects.push_back(std::move(trial.subject.value()));
+      options.push_back(std::move(trial.options));
+    }
     const auto runs = simulate_after_contacts(subjects, spec, *controller, options);
     for (std::size_t i = 0; i < trials.size(); ++i) {
       put_motion(trials[i].truth, runs[i].simulation, trials[i].outcome);
@@ -379,17 +380,17 @@ std::vector<TrialOutcome> run_trials(const Plan& plan, const Perturbations& size
   const verification::Situation nominal(plan.problem, plan.configuration, earliest);
   if (!nominal.event.missing.empty()) throw std::invalid_argument(nominal.event.missing);
 
-  // As many trials at a time as the widest registers have lanes; the last may be fewer.
-  const int groups = (count + verification::kTrial.together - 1) / verification::kTrial.together;
+  const int together = size_of_group(count, workers);
+  const int groups = (count + together - 1) / together;
   std::vector<std::vector<TrialOutcome>> found(static_cast<std::size_t>(groups));
   const auto work = [&](int i) {
-    const int before = i * verification::kTrial.together;
-    const int size = std::min(verification::kTrial.together, count - before);
+    const int before = i * together;
+    const int size = std::min(together, count - before);
     auto outcomes = verification::run_together(nominal, sizes, seed, first + before, size, stop);
     if (!stop.reached()) found[static_cast<std::size_t>(i)] = std::move(outcomes);
   };
   const auto take = [&](int i) {
-    if (on_progress) on_progress(std::min(count, (i + 1) * verification::kTrial.together), count);
+    if (on_progress) on_progress(std::min(count, (i + 1) * together), count);
   };
   for_each_index(workers, groups, stop, work, take);
   // Nothing is known of those that were stopped. What follows them is left out, too: the place of

@@ -7,6 +7,7 @@
 #include <stillbase/simulation/simulate.hpp>
 
 #include "simulation/robots.hpp"
+#include "support/coupled_robot.hpp"
 
 namespace stillbase::test {
 namespace {
@@ -196,6 +197,73 @@ TEST_CASE("a run that meets a stop or ends early leaves its neighbours alone", "
   CHECK(found[3].trace.back().time < 0.1);
 }
 
+TEST_CASE("a run leaves its lane as its controller and sensors are", "[simulation]") {
+  Random random(8, 5);
+  const RobotModel robot = random_robot(random, 6, false);
+  SimulationOptions options = brief_options(IntegratorKind::Rk4);
+  options.step = 0.003;  // several steps per control period
+  options.sensors = {.base_rate_error = 1e-3, .joint_rate_error = 1e-3, .delay = 0.03};
+  options.controller_robot = robot;
+  options.horizon = 1;
+  auto runs = many_runs(robot, 9, random, options);
+  const Controller controller = controller_with(ControllerKind::RnsDamped);
+  double highest = -kInfinity, lowest = kInfinity;
+  for (const SimulationResult& run : simulate_post_impacts(runs, controller)) {
+    highest = std::max(highest, run.summary.highest_positions[1]);
+    lowest = std::min(lowest, run.summary.lowest_positions[4]);
+  }
+  // Where some of them go; one begins beyond its stop, one ends at its first.
+  for (PostImpactRun& run : runs) {
+    run.robot.joints[1].upper = highest - 0.1;
+    run.robot.joints[4].lower = lowest + 0.1;
+  }
+  runs[2].initial.phi[1] = highest;
+  runs[2].initial.phidot[1] = -0.3;
+  for (const std::size_t i : {0, 2, 5}) {
+    runs[i].options.ends_when = [](const SimulationSummary& so_far) {
+      return so_far.stop_hits > 0 || so_far.attitude_turned > 0.05;
+    };
+  }
+  const auto found = simulate_post_impacts(runs, controller);
+  int hits = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    INFO("run " << i);
+    check_same(found[i], single(runs[i], controller), 1e-9);
+    hits += found[i].summary.stop_hits > 0;
+  }
+  CHECK(hits > 0);
+  CHECK(hits < 9);
+  // The limit of steps is that of the whole run.
+  for (PostImpactRun& run : runs) run.options.max_steps = 250;
+  for (const SimulationResult& run : simulate_post_impacts(runs, controller)) {
+    CHECK(run.summary.steps <= 250);
+  }
+}
+
+TEST_CASE("runs of different robots and controllers' models are told apart", "[simulation]") {
+  Random random(9, 5);
+  std::vector<PostImpactRun> runs;
+  for (const int n : {3, 3, 5, 4, 4, 17, 3, 6, 6}) {
+    RobotModel robot = random_robot(random, n, false);
+    if (n == 6) robot = with_couplings(robot, random);
+    const auto some = many_runs(robot, 2, random, brief_options(IntegratorKind::Rk4));
+    runs.insert(runs.end(), some.begin(), some.end());
+  }
+  runs[1].options.controller_robot = runs[1].robot;
+  runs[4].options.step = 0.005;
+  runs[6].options.horizon = 0.2;
+  runs[8].resistance.model = ResistanceModel::RotorInertia;
+  runs[8].resistance.rotor_inertia = JointVectord::Constant(4, 0.3);
+  runs[11].initial.base.orientation.coeffs() *= 1 + 5e-7;
+  const Controller controller = controller_with(ControllerKind::JointDamping);
+  const auto found = simulate_post_impacts(runs, controller);
+  REQUIRE(found.size() == runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    INFO("run " << i);
+    check_same(found[i], single(runs[i], controller), 1e-9);
+  }
+}
+
 TEST_CASE("what becomes of a run does not depend on its neighbours", "[simulation]") {
   Random random(6, 5);
   const RobotModel robot = random_robot(random, 7, false);
@@ -207,6 +275,25 @@ TEST_CASE("what becomes of a run does not depend on its neighbours", "[simulatio
     CHECK(alone.front().trace.back().state.phidot == together[i].trace.back().state.phidot);
     CHECK(alone.front().summary.peak_base_rate == together[i].summary.peak_base_rate);
   }
+  // Not even on one whose numbers grow beyond all bounds.
+  auto wild = runs;
+  wild[3].initial.phi[2] = 3e6;
+  wild[3].initial.phidot *= 1e9;
+  const auto beside = simulate_post_impacts(wild, controller);
+  CHECK(beside[3].status == single(wild[3], controller).status);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (i == 3) continue;
+    CHECK(beside[i].trace.back().state.phidot == together[i].trace.back().state.phidot);
+  }
+}
+
+TEST_CASE("threads share runs out so that all are busy", "[simulation]") {
+  const int lanes = size_of_group(1000, 1);
+  CHECK(lanes >= 2);
+  CHECK(size_of_group(10, 8) == 2);
+  CHECK(size_of_group(3, 8) == 1);
+  CHECK(size_of_group(0, 2) == 1);
+  CHECK(size_of_group(1000, 2) == lanes);
 }
 
 TEST_CASE("runs side by side are refused and stopped as single ones", "[simulation]") {

@@ -63,7 +63,7 @@ struct AfterContact {
 
 /// simulate_after_contact() of each case, side by side where simulate_post_impacts() can.
 /// @param options one per case
-/// @throws as simulate_after_contact()
+/// @throws as simulate_after_contact(); std::invalid_argument for another number of options
 [[nodiscard]] std::vector<AfterContact> simulate_after_contacts(
     const std::vector<ContactCase>& subjects, const PostImpactSpec& spec,
     const Controller& controller, const std::vector<SimulationOptions>& options);

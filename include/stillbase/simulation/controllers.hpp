@@ -73,6 +73,8 @@ std::optional<Controller> chosen_controller(const PostImpactSpec& spec);
 /// Whether that is one of this kind.
 bool chooses(const PostImpactSpec& spec, ControllerKind kind);
 
+// Templates below are there for double; their definitions are the library's own.
+
 /// The singular value below which a direction is given up:
 /// max(rank_edge sigma_max, |L_g| / joint_rate_edge). The first only keeps numbers finite (real
 /// arms on light satellites have sigma_min / sigma_max of 0.01 in ordinary postures, so it must be

@@ -58,7 +58,7 @@ struct SimulationOptions {
   double stop_restitution = 0;  ///< [0, 1): part of the rate that a joint keeps, reversed
   bool ends_at_stop = false;    ///< the run ends where the first joint reaches its stop
   /// The run ends where this holds of what it showed so far, asked between control instants and
-  /// samples; empty: never.
+  /// samples; empty: never. Without side effects.
   std::function<bool(const SimulationSummary&)> ends_when;
   bool friction = false;   ///< viscous and Coulomb friction of the model
   WheelSpec wheels;        ///< off by default
@@ -207,16 +207,23 @@ struct PostImpactRun {
   SimulationOptions options;
 };
 
-/// simulate_post_impact() of each run, in their order. Runs at fixed steps that differ in masses,
-/// states and sensors alone are simulated side by side in wide registers, where the processor has
-/// them; their numbers then differ from those of single runs by rounding. A run with friction or a
-/// contact, or whose controller uses the wheels, is a single one, and one that meets a joint stop
-/// goes on as one.
+/// simulate_post_impact() of each run, in their order. Neighbours in the list that differ in
+/// masses, hands, states and seeds alone are simulated side by side in the processor's registers;
+/// their numbers then differ from those of single runs by rounding.
 ///
-/// What becomes of a run does not depend on its neighbours. An interruption ends all of them.
+/// Single ones are runs with continuous control, adaptive steps or samples within the horizon; with
+/// friction, thrusters, a base wrench or a controller that uses the wheels; with joint_stops off or
+/// ends_at_stop; and of robots with no joint or more than 16 joints or bodies. A run that meets a
+/// joint stop goes on as a single one.
+///
+/// What becomes of a run does not depend on its neighbours, unless a stop is reached.
 /// @throws InputError when sizes or options make no sense.
 [[nodiscard]] std::vector<SimulationResult> simulate_post_impacts(
     const std::vector<PostImpactRun>& runs, const Controller& controller);
+
+/// How many of `count` runs one thread of several takes at once: all of them are busy, and none has
+/// more than this processor simulates side by side. At least one.
+int size_of_group(int count, int threads);
 
 /// Runs the controller for `lead_time`, applies the impulse, and runs on for options.horizon: the
 /// paper's Figs. 6 to 8 (from rest, impact at 0.1 s). The trace shows the impact as two samples at
