@@ -182,8 +182,9 @@ class NullTracker::Beside {
   NullVelocities batch_;
 };
 
-Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots, const JointPath& curve,
-                                          int steps) const {
+Eigen::MatrixXd NullTracker::end_jacobian(const Knots& knots) const {
+  const int steps = options_.coarse_steps;
+  const JointPath curve = follow(knots, steps);
   const Eigen::Index m = knots.rows(), count = knots.cols() - 1;
   const auto total = static_cast<int>(count) * steps;
   const Eigen::VectorXd end = free_part(curve.phi.back());
@@ -218,12 +219,8 @@ Eigen::MatrixXd NullTracker::directions_asked(const GoalNear& goal, const JointV
   return asked;
 }
 
-Knots NullTracker::bent(const Knots& knots, const JointPath& curve, const Eigen::VectorXd& push,
-                        double stride) const {
-  const auto steps = static_cast<int>((curve.times.size() - 1) / (knots.cols() - 1));
-  const JointPath coarse =
-      steps == options_.coarse_steps ? curve : follow(knots, options_.coarse_steps);
-  const Eigen::MatrixXd J = end_jacobian(knots, coarse, options_.coarse_steps);
+Knots NullTracker::bent(const Knots& knots, const Eigen::VectorXd& push, double stride) const {
+  const Eigen::MatrixXd J = end_jacobian(knots);
   const Eigen::VectorXd change = J.transpose() * push;
   const double size = (J * change).norm();
   return size > 0 ? shifted_knots(knots, stride / size * change) : knots;
@@ -268,10 +265,7 @@ std::optional<Configuration> NullTracker::reach(const GoalNear& goal, Knots& kno
       continue;
     }
     if (J.size() == 0) {
-      const JointPath coarse =
-          steps == options_.coarse_steps ? curve : follow(knots, options_.coarse_steps);
-      J = directions_asked(goal, curve.phi.back()) *
-          end_jacobian(knots, coarse, options_.coarse_steps);
+      J = directions_asked(goal, curve.phi.back()) * end_jacobian(knots);
       is_updated = false;
     }
     const Eigen::MatrixXd square = J * J.transpose();

@@ -41,8 +41,7 @@ class NullTracker {
 
   /// Knots shifted so that the end of the curve moves by about `stride` (rad), as the null space
   /// allows, in the direction `push` (m).
-  Knots bent(const Knots& knots, const JointPath& curve, const Eigen::VectorXd& push,
-             double stride) const;
+  Knots bent(const Knots& knots, const Eigen::VectorXd& push, double stride) const;
 
   Eigen::VectorXd free_part(const JointVectord& phi) const { return phi(free_); }
 
@@ -56,7 +55,7 @@ class NullTracker {
   JointVectord step(const Knots& knots, double s, double h, const JointVectord& phi,
                     const JointVectord& slope_here) const;
   /// d(end) / d(knots after the first, column by column), by differences; zero when stopped.
-  Eigen::MatrixXd end_jacobian(const Knots& knots, const JointPath& curve, int steps) const;
+  Eigen::MatrixXd end_jacobian(const Knots& knots) const;
 
   Knots shifted_knots(const Knots& knots, const Eigen::VectorXd& shift) const;
   Eigen::MatrixXd directions_asked(const GoalNear& goal, const JointVectord& end) const;

@@ -157,7 +157,7 @@ class Search {
       if (stop_.reached()) return;
       const Eigen::VectorXd slope = measure_slope(goal, curve.end);
       if (!(slope.norm() > 0)) return;
-      const Knots bent = tracker_.bent(curve.knots, curve.path, -slope, stride);
+      const Knots bent = tracker_.bent(curve.knots, -slope, stride);
       stride = bend(goal, ContactSolve::Nearest, bent, curve) ? 2 * stride : stride / 3;
     }
   }

@@ -65,7 +65,7 @@ struct ClosureOptions {
 /// Paths within the angular reaction null space, see reaction_null.hpp.
 struct NullSpaceOptions {
   int knots = 8;              ///< of the reference curve, beside the start
-  int coarse_steps = 6;       ///< Runge-Kutta steps between two knots, for Newton's matrix
+  int coarse_steps = 3;       ///< Runge-Kutta steps between two knots, on the way to the goal
   int fine_steps = 40;        ///< of the curve that is kept
   double pull = 4;            ///< kappa, towards the reference
   double limit_margin = 0.1;  ///< rad, distance of the knots from the joint limits
