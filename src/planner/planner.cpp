@@ -252,19 +252,16 @@ Plan plan_features(const CaptureProblem& problem, const PlannerOptions& options)
 Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
   Plan plan = problem.variables.features.empty() ? plan_one_feature(problem, options).plan
                                                  : plan_features(problem, options);
-  const std::vector<std::string>& controllers = problem.post_impact.controllers;
-  if (!controllers.empty() && !plan.candidates.empty() && plan.status != PlanStatus::Infeasible) {
-    plan.after_horizon =
-        motion_after_horizon(at_feature(plan.problem, plan.configuration.feature),
-                             plan.configuration, plan.impact, controllers.front(), options.stop);
-  }
   if (!plan.candidates.empty() && plan.status != PlanStatus::Infeasible) {
-    plan.managed_momentum = managed_momentum(at_feature(plan.problem, plan.configuration.feature),
-                                             plan.configuration, plan.impact, options.stop);
+    AfterImpactAccount account =
+        account_after_impact(at_feature(plan.problem, plan.configuration.feature),
+                             plan.configuration, plan.impact, options.stop);
+    plan.after_horizon = std::move(account.motion);
+    plan.managed_momentum = std::move(account.momentum);
   }
   // Of a complete plan: these two were cut by a stop.
   const bool lacks_motion =
-      !controllers.empty() &&
+      !problem.post_impact.controllers.empty() &&
       (!plan.after_horizon || (plan.managed_momentum && !plan.managed_momentum->remaining));
   if (plan.status != PlanStatus::Infeasible && options.stop.reached() && lacks_motion) {
     plan.status = PlanStatus::Limit;

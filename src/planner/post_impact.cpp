@@ -90,19 +90,24 @@ std::optional<AfterHorizon> motion_after_horizon(const CaptureProblem& problem,
   return look_beyond_horizon(subject, spec, *controller, options, run);
 }
 
-std::optional<ManagedMomentum> managed_momentum(const CaptureProblem& problem,
-                                                const Configuration& configuration,
-                                                const ImpactSummary& impact,
-                                                const StopCondition& stop) {
-  if (!problem.target) return std::nullopt;
+AfterImpactAccount account_after_impact(const CaptureProblem& problem,
+                                        const Configuration& configuration,
+                                        const ImpactSummary& impact, const StopCondition& stop) {
+  const PostImpactSpec& spec = problem.post_impact;
   const ContactCase subject = contact_case(problem, configuration, impact);
+  AfterImpactAccount out;
   std::optional<AfterContact> run;
-  if (const auto controller = chosen_controller(problem.post_impact)) {
-    run = simulate_after_contact(subject, problem.post_impact, *controller,
-                                 judging_options(problem, stop));
+  if (const auto controller = chosen_controller(spec)) {
+    const SimulationOptions options = judging_options(problem, stop);
+    run = simulate_after_contact(subject, spec, *controller, options);
+    out.motion = look_beyond_horizon(subject, spec, *controller, options, *run);
     if (run->simulation.status != SimulationStatus::Finished) run.reset();
   }
-  return account_for_momentum(problem, configuration, impact, subject, run ? &*run : nullptr);
+  if (problem.target) {
+    out.momentum =
+        account_for_momentum(problem, configuration, impact, subject, run ? &*run : nullptr);
+  }
+  return out;
 }
 
 }  // namespace stillbase

@@ -234,6 +234,11 @@ std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,
   longer.output_period = 0;
   longer.joint_stops = true;
   longer.ends_at_stop = true;
+  // Where control bounds the steps anyway, fixed ones take half the time.
+  const bool is_smooth = spec.contact.model == ContactModel::Instantaneous && !longer.friction;
+  if (is_smooth && longer.control_period > 0 && longer.control_period <= longer.step) {
+    longer.integrator = IntegratorKind::Rk4;
+  }
   const AfterContact after = simulate_after_contact(subject, spec, controller, longer);
   if (after.simulation.status != SimulationStatus::Finished) return std::nullopt;
   state_first_stop(after);

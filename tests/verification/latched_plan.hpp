@@ -27,7 +27,7 @@ inline Plan latched_plan(const std::string& controller = "detumble") {
   const verification::Situation there(plan.problem, at);
   at.base.position += there.event.feature->point - there.hand_N;
   plan.impact = impact_at(plan.problem, at);
-  plan.managed_momentum = managed_momentum(plan.problem, at, plan.impact);
+  plan.managed_momentum = account_after_impact(plan.problem, at, plan.impact).momentum;
   plan.status = PlanStatus::Feasible;
   return plan;
 }

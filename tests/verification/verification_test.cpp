@@ -45,7 +45,8 @@ VerifyOptions thorough() {
 
 // With what a plan says of the time after the impact, of its problem as it is.
 Plan accounted(Plan plan) {
-  plan.managed_momentum = managed_momentum(plan.problem, plan.configuration, plan.impact);
+  plan.managed_momentum =
+      account_after_impact(plan.problem, plan.configuration, plan.impact).momentum;
   const std::vector<std::string>& controllers = plan.problem.post_impact.controllers;
   if (!controllers.empty()) {
     plan.after_horizon =

@@ -29,13 +29,18 @@ namespace stillbase {
                                                                const std::string& controller,
                                                                const StopCondition& stop = {});
 
-/// The momentum after the contact, what it takes to manage it under the problem's first controller,
-/// and how much of each limit is used.
-/// @return nothing for a problem without a target
-[[nodiscard]] std::optional<ManagedMomentum> managed_momentum(const CaptureProblem& problem,
-                                                              const Configuration& configuration,
-                                                              const ImpactSummary& impact,
-                                                              const StopCondition& stop = {});
+/// What a plan states of the time after its impact.
+struct AfterImpactAccount {
+  /// motion_after_horizon() under the problem's first controller.
+  std::optional<AfterHorizon> motion;
+  /// The momentum after the contact, what it takes to manage it under the problem's first
+  /// controller, and how much of each limit is used. Nothing for a problem without a target.
+  std::optional<ManagedMomentum> momentum;
+};
+[[nodiscard]] AfterImpactAccount account_after_impact(const CaptureProblem& problem,
+                                                      const Configuration& configuration,
+                                                      const ImpactSummary& impact,
+                                                      const StopCondition& stop = {});
 
 /// The first limit of the problem that is exceeded after the impact under its first controller:
 /// grip and momentum of the wheels, joint stops, base rate at the horizon, attitude change, joint
