@@ -72,7 +72,7 @@ NullTracker::NullTracker(const RobotModel& robot, const JointVectord& start,
       free_(std::move(free)),
       options_(options),
       jobs_(jobs),
-      stop_(std::move(stop)) {
+      stop_(stop) {
   lower_ = upper_ = start(free_);
   for (std::size_t i = 0; i < free_.size(); ++i) {
     const Joint& joint = robot.joints[free_[i]];

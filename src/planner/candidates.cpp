@@ -82,6 +82,7 @@ std::optional<std::string> AfterImpactJudge::known(const Configuration& configur
 std::vector<std::string> AfterImpactJudge::simulate(
     const std::vector<Configuration>& configurations) {
   std::vector<ImpactSummary> impacts;
+  impacts.reserve(configurations.size());
   for (const Configuration& at : configurations) {
     impacts.push_back(impact_at(problem_, model_, encounter_at(model_, at), at.phi));
   }
@@ -112,8 +113,9 @@ void AfterImpactJudge::judge_all(const std::vector<Configuration>& configuration
   const int count = static_cast<int>(open.size());
   const int together = size_of_group(count, jobs_);
   for_each_index(jobs_, (count + together - 1) / together, stop_, [&](int i) {
-    const auto first = open.begin() + i * together;
-    simulate({first, first + std::min(together, count - i * together)});
+    const int before = i * together;
+    const auto first = open.begin() + before;
+    simulate({first, first + std::min(together, count - before)});
   });
 }
 

@@ -97,10 +97,9 @@ bool are_alike(const PostImpactRun& a, const PostImpactRun& b) {
 class LaneColumns {
  public:
   LaneColumns(int numbers, int lanes)
-      : lanes_(lanes), numbers_(static_cast<std::size_t>(numbers * lanes)) {}
-  double& at(int number, int lane) {
-    return numbers_[static_cast<std::size_t>(number * lanes_ + lane)];
-  }
+      : lanes_(lanes),
+        numbers_(static_cast<std::size_t>(numbers) * static_cast<std::size_t>(lanes)) {}
+  double& at(int number, int lane) { return numbers_[place(number, lane)]; }
   template <class Derived>
   int put(int first, int lane, const Eigen::MatrixBase<Derived>& values) {
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
@@ -112,7 +111,7 @@ class LaneColumns {
   int take(int first, int lane, Eigen::MatrixBase<Derived>& values) const {
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
       for (Eigen::Index i = 0; i < values.rows(); ++i) {
-        values(i, j) = numbers_[static_cast<std::size_t>(first++ * lanes_ + lane)];
+        values(i, j) = numbers_[place(first++, lane)];
       }
     }
     return first;
@@ -120,6 +119,11 @@ class LaneColumns {
   double* data() { return numbers_.data(); }
 
  private:
+  std::size_t place(int number, int lane) const {
+    return static_cast<std::size_t>(number) * static_cast<std::size_t>(lanes_) +
+           static_cast<std::size_t>(lane);
+  }
+
   int lanes_;
   std::vector<double> numbers_;
 };
@@ -152,7 +156,7 @@ void put_state(const PlantState& state, int lane, LaneColumns& columns) {
 /// @return false: the numbers are not those of a motion
 bool take_state(const LaneColumns& columns, int lane, PlantState& state) {
   const Eigen::Index n = state.phi.size();
-  StateVector x(13 + 2 * n);
+  StateVector x = StateVector::Zero(13 + 2 * n);
   columns.take(0, lane, x);
   state.base.position = x.segment<3>(0);
   state.base.orientation.coeffs() = x.segment<4>(3);

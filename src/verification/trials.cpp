@@ -295,6 +295,7 @@ std::vector<TrialOutcome> run_together(const Situation& nominal, const Perturbat
                                        std::uint64_t seed, int first, int count,
                                        const StopCondition& stop) {
   std::vector<DrawnTrial> trials;
+  trials.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     trials.push_back(draw_trial(nominal, sizes, seed, first + i, stop));
   }
