@@ -155,15 +155,12 @@ void put_state(const PlantState& state, int lane, LaneColumns& columns) {
 /// What of a state moves.
 /// @return false: the numbers are not those of a motion
 bool take_state(const LaneColumns& columns, int lane, PlantState& state) {
-  const Eigen::Index n = state.phi.size();
-  StateVector x = StateVector::Zero(13 + 2 * n);
-  columns.take(0, lane, x);
-  state.base.position = x.segment<3>(0);
-  state.base.orientation.coeffs() = x.segment<4>(3);
-  state.phi = x.segment(7, n);
-  state.Omega = x.segment<6>(7 + n);
-  state.phidot = x.segment(13 + n, n);
-  return is_bounded(x);
+  int next = columns.take(0, lane, state.base.position);
+  next = columns.take(next, lane, state.base.orientation.coeffs());
+  next = columns.take(next, lane, state.phi);
+  next = columns.take(next, lane, state.Omega);
+  columns.take(next, lane, state.phidot);
+  return is_bounded(pack(state));
 }
 
 PlantState with_unit_attitude(PlantState state) {
