@@ -177,7 +177,8 @@ TEST_CASE("results that nobody takes are a failed write") {
   for (const char* how : {">&-", ">/dev/full"}) {
     CHECK(shop.run_script(kTool + "plan " + kPlanar + " " + how).code == 7);
   }
-  CHECK(shop.run_script("TMPDIR=/nowhere " + kTool + "bench --quick --suite '" +
+  // Below what is no folder nobody can make one, not even a library that is run by root.
+  CHECK(shop.run_script("TMPDIR=/dev/null/nowhere " + kTool + "bench --quick --suite '" +
                         source_path("bench/suite.yaml") + "' --optimizers ipopt " + kPlanar)
             .code == 7);
 }
@@ -236,6 +237,10 @@ TEST_CASE("a signal to a process and its group saves what was found, as one sign
 TEST_CASE("a file that may not grow to its size is a failed write") {
   const Workshop shop;
   const std::string limited = "ulimit -f 1; ";
+  if (shop.run_script(limited + kTool + "--version").code != 0) {
+    WARN("a library of Ipopt's writes larger files before the tool begins");
+    return;
+  }
   const Outcome outcome = shop.run_script(limited + kTool + "plan " + kPlanar + " -o plan.json");
   CHECK(outcome.code == 7);
   CHECK_FALSE(shop.has("plan.json"));
