@@ -264,13 +264,7 @@ std::vector<std::string> post_impact_failures(const CaptureProblem& problem,
     subjects.push_back(cases[i].subject());
     options.push_back(cases[i].first_run_options(stop));
   }
-  // Of one alone the lanes of the registers would be empty.
-  std::vector<AfterContact> runs;
-  if (subjects.size() == 1) {
-    runs.push_back(simulate_after_contact(subjects[0], spec, *controller, options[0]));
-  } else {
-    runs = simulate_after_contacts(subjects, spec, *controller, options);
-  }
+  const auto runs = simulate_after_contacts(subjects, spec, *controller, options);
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const std::size_t i = first_runs[k];
     if (const auto failure = cases[i].failure_at_first_sight(runs[k])) {

@@ -5,6 +5,7 @@
 #include "simulation/motion_kernel.hpp"
 
 namespace stillbase {
+
 PlantState state_at_rest(const Pose& base, const JointVectord& phi) {
   return {base, phi, Vector6d::Zero(), JointVectord::Zero(phi.size())};
 }

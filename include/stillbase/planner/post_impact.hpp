@@ -37,6 +37,9 @@ struct AfterImpactAccount {
   /// controller, and how much of each limit is used. Nothing for a problem without a target.
   std::optional<ManagedMomentum> momentum;
 };
+/// Both by one simulation.
+/// @param impact of this configuration, as impact_at() or a plan has it
+/// @throws as simulate_after_contact()
 [[nodiscard]] AfterImpactAccount account_after_impact(const CaptureProblem& problem,
                                                       const Configuration& configuration,
                                                       const ImpactSummary& impact,
