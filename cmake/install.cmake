@@ -65,7 +65,8 @@ install(FILES ${PROJECT_BINARY_DIR}/stillbaseConfig.cmake
 install(EXPORT stillbaseTargets NAMESPACE stillbase:: DESTINATION ${STILLBASE_CMAKE_DIR}
   COMPONENT development)
 
-# For builds without CMake: `pkg-config --static` names what the static library is made of.
+# For builds without CMake. The library is static and the packages that it is made of are not, so they
+# are public: with `pkg-config --static` their own private libraries would have to be there, too.
 file(RELATIVE_PATH path_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 foreach(library IN ITEMS stillbase stillbase_c)
   if(TARGET ${library})

@@ -43,7 +43,7 @@ if(pkg_config)
   get_filename_component(pc_folder ${pc_file} DIRECTORY)
   set(ENV{PKG_CONFIG_PATH} ${pc_folder})
   foreach(part IN ITEMS cflags libs)
-    execute_process(COMMAND ${pkg_config} --static --${part} stillbase OUTPUT_VARIABLE ${part}
+    execute_process(COMMAND ${pkg_config} --${part} stillbase OUTPUT_VARIABLE ${part}
       OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
     separate_arguments(${part} UNIX_COMMAND "${${part}}")
   endforeach()
