@@ -13,6 +13,10 @@ namespace stillbase {
 
 STILLBASE_INSTANTIATE_CAPTURE_MODEL(double);
 
+PostureImpact<double> CaptureModel::hand(const Placement<double>& at) const {
+  return evaluate_hand<double>(problem.robot, at.phi);
+}
+
 CaptureModel::CaptureModel(const CaptureProblem& p)
     : problem(p),
       layout(p),

@@ -91,6 +91,8 @@ struct CaptureModel {
   Placement<S> place(const VectorX<S>& x) const;
   template <class S>
   PostureImpact<S> posture(const Placement<S>& at) const;
+  /// Its kinematics and Jacobian alone.
+  PostureImpact<double> hand(const Placement<double>& at) const;
   /// The same with the joints displaced by the scenario's errors.
   template <class S>
   PostureImpact<S> posture(const Placement<S>& at, const Scenario& scenario) const;

@@ -84,8 +84,23 @@ Formulation::Parts::Parts(const CaptureProblem& problem)
 
 void Formulation::Parts::select(SelectedRows selected) {
   rows = std::move(selected);
-  rows_need_impact = std::any_of(rows.kept.begin(), rows.kept.end(),
-                                 [](const Constraint* row) { return row->needs_impact; });
+  rows_need_inertia = rows_need_encounter = rows_need_impact = false;
+  for (const Constraint* row : rows.kept) {
+    rows_need_inertia = rows_need_inertia || row->needs_inertia || row->needs_impact;
+    rows_need_encounter = rows_need_encounter || row->needs_encounter || row->needs_impact;
+    rows_need_impact = rows_need_impact || row->needs_impact;
+  }
+}
+
+PostureImpact<double> Formulation::Parts::posture_of_rows(const Placement<double>& at) const {
+  return rows_need_inertia ? model.posture(at) : model.hand(at);
+}
+
+ScenarioImpact<double> Formulation::Parts::impact_of_rows(
+    const Placement<double>& at, const PostureImpact<double>& posture) const {
+  if (rows_need_impact) return model.impact(at, posture, model.nominal);
+  if (rows_need_encounter) return model.encounter_of(at, model.nominal);
+  return {};
 }
 
 Formulation::Formulation(const CaptureProblem& problem) : parts_(std::make_unique<Parts>(problem)) {
@@ -187,9 +202,8 @@ void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alo
   parts_->count(1);
   const CaptureModel& model = parts_->model;
   const auto placement = model.place<double>(x);
-  const auto posture = model.posture(placement);
-  ScenarioImpact<double> nominal;
-  if (parts_->rows_need_impact) nominal = model.impact(placement, posture, model.nominal);
+  const auto posture = parts_->posture_of_rows(placement);
+  const auto nominal = parts_->impact_of_rows(placement, posture);
   const ConstraintPoint<double> at{model, placement, posture, nominal};
   violation.resize(num_constraints());
   jacobian.resize(num_constraints(), x.size());

@@ -20,7 +20,8 @@ struct Formulation::Parts {
   double objective_unit = 1;
   ConstraintSet constraints;
   SelectedRows rows;  ///< of the constraints
-  bool rows_need_impact = false;
+  /// Whether one of them does, as ConstraintLabel.
+  bool rows_need_inertia = false, rows_need_encounter = false, rows_need_impact = false;
   StopCondition simulations_stop;
   std::atomic<long> evaluations = 0;
 
@@ -38,6 +39,10 @@ struct Formulation::Parts {
   /// Adds what differenced terms are worth to a value and its gradient.
   void add_differenced(const Placement<double>& at, const Scenario& scenario, double& value,
                        GradientRow* gradient) const;
+  /// Posture and nominal impact as far as the rows need them.
+  PostureImpact<double> posture_of_rows(const Placement<double>& at) const;
+  ScenarioImpact<double> impact_of_rows(const Placement<double>& at,
+                                        const PostureImpact<double>& posture) const;
   /// Values of the rows, and unless it is null their Jacobian; both have their sizes.
   void evaluate_rows(const ConstraintPoint<double>& at, Eigen::VectorXd& values,
                      Eigen::MatrixXd* jacobian) const;

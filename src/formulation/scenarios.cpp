@@ -13,7 +13,6 @@ void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
   const CaptureModel& model = parts.model;
   parts_->count(1);
   const auto at = model.place<double>(x);
-  const auto posture = model.posture(at);
   const auto count = static_cast<Eigen::Index>(scenarios.size());
   out.values.resize(count);
   out.constraints.resize(num_constraints());
@@ -21,7 +20,9 @@ void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
     out.gradients.resize(count, x.size());
     out.jacobian.resize(num_constraints(), x.size());
   }
-  if (parts.in_packs(scenarios)) {
+  const bool in_packs = parts.in_packs(scenarios);
+  const auto posture = in_packs ? parts.posture_of_rows(at) : model.posture(at);
+  if (in_packs) {
     parts.evaluate_in_packs(at, scenarios, derivatives, out);
   } else {
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -43,8 +44,7 @@ void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
       }
     }
   }
-  ScenarioImpact<double> nominal;
-  if (parts.rows_need_impact) nominal = model.impact(at, posture, model.nominal);
+  const auto nominal = parts.impact_of_rows(at, posture);
   parts.evaluate_rows({model, at, posture, nominal}, out.constraints,
                       derivatives ? &out.jacobian : nullptr);
 }
@@ -100,6 +100,9 @@ void Formulation::Parts::evaluate_in_packs(const Placement<double>& at,
                                            ScenarioEvaluation& out) const {
   const auto count = static_cast<Eigen::Index>(scenarios.size());
   resize_batch(count, out.batch);
+  out.batch.is_one_posture = std::none_of(scenarios.begin(), scenarios.end(), [](const auto& one) {
+    return one.joint_offset.size() > 0;
+  });
   for (Eigen::Index k = 0; k < count; ++k) {
     const Scenario& scenario = scenarios[static_cast<std::size_t>(k)];
     put_in_batch(at, model.encounter_of(at, scenario), scenario, k, out.batch);

@@ -62,6 +62,7 @@ BatchColumns columns_of(const ImpactBatch& batch) {
   columns.count = batch.phi.rows();
   columns.phi = batch.phi.data();
   columns.F = batch.F.data();
+  columns.is_one_posture = batch.is_one_posture;
   if (batch.approach.size() > 0) {
     assert(batch.approach.size() == columns.count);
     columns.approach = batch.approach.data();

@@ -25,6 +25,7 @@ struct BatchColumns {
   const double* target_inverse_mass = nullptr;
   const double* target = nullptr;
   ContactLaw law = ContactLaw::Frictionless;
+  bool is_one_posture = false;
   double* Delta_Omega = nullptr;
   double* base = nullptr;
   double* total = nullptr;

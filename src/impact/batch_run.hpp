@@ -37,82 +37,89 @@ void store(const S& value, std::ptrdiff_t lanes, double* x) {
   }
 }
 
+/// One pack of a batch: the rows from i on.
+template <class S>
+void run_pack(const RobotModel& robot, const BatchColumns& columns, const PostureImpact<S>& posture,
+              std::ptrdiff_t i, std::ptrdiff_t lanes) {
+  const std::ptrdiff_t count = columns.count;
+  const auto put = [&](const auto& value, double* column) {
+    if (column == nullptr) return;
+    for (Eigen::Index j = 0; j < value.size(); ++j) store(value[j], lanes, column + i + j * count);
+  };
+  const auto put_number = [&](const S& value, double* column) {
+    if (column != nullptr) store(value, lanes, column + i);
+  };
+  Vector6<S> F;
+  for (int k = 0; k < 6; ++k) load(columns.F + i + k * count, lanes, F[k]);
+  RigidContact<S> contact;
+  if (columns.target != nullptr) {
+    contact.law = columns.law;
+    const double* column = columns.target + i;
+    for_each_number(contact.target, [&](S& number) {
+      load(column, lanes, number);
+      column += count;
+    });
+  }
+  const ImpactResponse<S> response =
+      columns.target != nullptr ? respond_to_contact<S>(posture, contact) : respond<S>(posture, F);
+  S p(1), yield(1);  // yield: 1 / (hand's + target's inverse mass)
+  if (columns.approach != nullptr) {
+    S approach, target;
+    load(columns.approach + i, lanes, approach);
+    load(columns.target_inverse_mass + i, lanes, target);
+    yield = S(1) / (response.hand_inverse_mass + target);
+    p = approach * yield;
+  }
+  put(response.d.Delta_Omega, columns.Delta_Omega);
+  put(response.base, columns.base);
+  put(response.total, columns.total);
+  put_number(response.hand_inverse_mass, columns.hand_inverse_mass);
+  put_number(p, columns.p);
+  if (columns.psi == nullptr) return;
+
+  const S p2 = p * p;
+  ResponseWeights<S> weights;
+  S twice_psi(0);
+  for (std::size_t k = 0; k < columns.objective_parts; ++k) {
+    const BatchMetric& wanted = columns.objective[k];
+    Matrix3<S> metric;
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) metric(a, b) = p2 * S(wanted.G[a][b]);
+    }
+    with_part<S>(wanted.part, posture, response, weights, [&](const auto& value, auto&& weight) {
+      weight = apply_metric<S>(metric, value);
+      twice_psi += weight.dot(value);
+    });
+  }
+  put_number(twice_psi * S(0.5), columns.psi);
+  if (columns.gradient == nullptr) return;
+  if (columns.target != nullptr) {
+    const ContactGradient<S> all = contact_gradient<S>(robot, posture, contact, response, weights);
+    put(all.phi, columns.gradient);
+    put(all.turn, columns.gradient_target);
+    put(all.velocity, columns.gradient_target + 3 * count);
+    put(all.omega, columns.gradient_target + 6 * count);
+    return;
+  }
+  if (columns.approach != nullptr) weights.hand_inverse_mass = -(twice_psi * yield);
+  const ResponseGradient<S> gradient = response_gradient<S>(robot, posture, response, weights);
+  put(gradient.phi, columns.gradient);
+  put(gradient.F, columns.gradient_F);
+}
+
 template <class S>
 void run_batch(const RobotModel& robot, const ImpactResistance& resistance,
                const BatchColumns& columns, std::ptrdiff_t width) {
   const std::ptrdiff_t count = columns.count;
   JointVector<S> phi(robot.n());
-  Vector6<S> F;
-  for (std::ptrdiff_t i = 0; i < count; i += width) {
-    const std::ptrdiff_t lanes = std::min(width, count - i);
-    const auto put = [&](const auto& value, double* column) {
-      if (column == nullptr) return;
-      for (Eigen::Index j = 0; j < value.size(); ++j)
-        store(value[j], lanes, column + i + j * count);
-    };
-    const auto put_number = [&](const S& value, double* column) {
-      if (column != nullptr) store(value, lanes, column + i);
-    };
-    for (int k = 0; k < robot.n(); ++k) load(columns.phi + i + k * count, lanes, phi[k]);
-    for (int k = 0; k < 6; ++k) load(columns.F + i + k * count, lanes, F[k]);
-
+  for (std::ptrdiff_t i = 0; i < count;) {
+    const auto lanes = [&] { return std::min(width, count - i); };
+    for (int k = 0; k < robot.n(); ++k) load(columns.phi + i + k * count, lanes(), phi[k]);
     const PostureImpact<S> posture = evaluate_posture<S>(robot, resistance, phi);
-    RigidContact<S> contact;
-    if (columns.target != nullptr) {
-      contact.law = columns.law;
-      const double* column = columns.target + i;
-      for_each_number(contact.target, [&](S& number) {
-        load(column, lanes, number);
-        column += count;
-      });
-    }
-    const ImpactResponse<S> response = columns.target != nullptr
-                                           ? respond_to_contact<S>(posture, contact)
-                                           : respond<S>(posture, F);
-    S p(1), yield(1);  // yield: 1 / (hand's + target's inverse mass)
-    if (columns.approach != nullptr) {
-      S approach, target;
-      load(columns.approach + i, lanes, approach);
-      load(columns.target_inverse_mass + i, lanes, target);
-      yield = S(1) / (response.hand_inverse_mass + target);
-      p = approach * yield;
-    }
-    put(response.d.Delta_Omega, columns.Delta_Omega);
-    put(response.base, columns.base);
-    put(response.total, columns.total);
-    put_number(response.hand_inverse_mass, columns.hand_inverse_mass);
-    put_number(p, columns.p);
-    if (columns.psi == nullptr) continue;
-
-    const S p2 = p * p;
-    ResponseWeights<S> weights;
-    S twice_psi(0);
-    for (std::size_t k = 0; k < columns.objective_parts; ++k) {
-      const BatchMetric& wanted = columns.objective[k];
-      Matrix3<S> metric;
-      for (int a = 0; a < 3; ++a) {
-        for (int b = 0; b < 3; ++b) metric(a, b) = p2 * S(wanted.G[a][b]);
-      }
-      with_part<S>(wanted.part, posture, response, weights, [&](const auto& value, auto&& weight) {
-        weight = apply_metric<S>(metric, value);
-        twice_psi += weight.dot(value);
-      });
-    }
-    put_number(twice_psi * S(0.5), columns.psi);
-    if (columns.gradient == nullptr) continue;
-    if (columns.target != nullptr) {
-      const ContactGradient<S> all =
-          contact_gradient<S>(robot, posture, contact, response, weights);
-      put(all.phi, columns.gradient);
-      put(all.turn, columns.gradient_target);
-      put(all.velocity, columns.gradient_target + 3 * count);
-      put(all.omega, columns.gradient_target + 6 * count);
-      continue;
-    }
-    if (columns.approach != nullptr) weights.hand_inverse_mass = -(twice_psi * yield);
-    const ResponseGradient<S> gradient = response_gradient<S>(robot, posture, response, weights);
-    put(gradient.phi, columns.gradient);
-    put(gradient.F, columns.gradient_F);
+    do {
+      run_pack<S>(robot, columns, posture, i, lanes());
+      i += width;
+    } while (columns.is_one_posture && i < count);
   }
 }
 

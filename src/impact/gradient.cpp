@@ -10,6 +10,7 @@ ImpactResistance prepare_resistance(const JointResistance& resistance, int n) {
 
 template PostureImpact<double> evaluate_posture(const RobotModel&, const ImpactResistance&,
                                                 const JointVector<double>&);
+template PostureImpact<double> evaluate_hand(const RobotModel&, const JointVector<double>&);
 template ImpactResponse<double> respond(const PostureImpact<double>&, const Vector6<double>&);
 template ResponseGradient<double> response_gradient(const RobotModel&, const PostureImpact<double>&,
                                                     const ImpactResponse<double>&,

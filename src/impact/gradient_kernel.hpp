@@ -178,6 +178,23 @@ PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistanc
   return out;
 }
 
+/// A T whose numbers are not set; T{} would fill all of it with zeros.
+template <class T>
+T unset() {
+  T out;
+  return out;
+}
+
+template <class S>
+PostureImpact<S> evaluate_hand(const RobotModel& robot, const JointVector<S>& phi) {
+  PostureImpact<S> out{.kinematics = compute_kinematics(robot, phi),
+                       .inertia = unset<InertiaMatrices<S>>(),
+                       .tilde = unset<TildeInertia<S>>(),
+                       .jacobian = compute_hand_jacobian(robot, out.kinematics),
+                       .factor = unset<InertiaFactor<S>>()};
+  return out;
+}
+
 template <class S>
 ImpactResponse<S> respond(const PostureImpact<S>& posture, const Vector6<S>& F) {
   const auto n = static_cast<int>(posture.jacobian.J_phi.cols());

@@ -15,9 +15,19 @@ TEST_CASE("of rows that are flat at all samples distances alone are reported") {
     return S(0.3);
   };
   ConstraintSet set;
-  add_constraint(set.rows, {"rate", "rad/s", 0.1, kInfinity, false, false, true, false}, flat);
-  add_constraint(set.rows, {"distance", "m", 0.1, kInfinity, false, false, true, true}, flat);
-  add_constraint(set.rows, {"too_near", "m", 0.5, kInfinity, false, false, true, true}, flat);
+  const auto add = [&](const char* name, const char* unit, double least, bool is_distance) {
+    add_constraint(set.rows,
+                   {.name = name,
+                    .unit = unit,
+                    .lower = least,
+                    .upper = kInfinity,
+                    .is_limit = true,
+                    .has_kinks = is_distance},
+                   flat);
+  };
+  add("rate", "rad/s", 0.1, false);
+  add("distance", "m", 0.1, true);
+  add("too_near", "m", 0.5, true);
   const SelectedRows rows = select_independent_rows(formulation.parts().model, set);
   REQUIRE(rows.reported.size() == 1);
   CHECK(rows.reported[0]->name == "distance");

@@ -27,6 +27,8 @@ struct ImpactBatch {
   /// Empty: there is none. For evaluate_objective() alone.
   Eigen::MatrixXd target;
   ContactLaw law = ContactLaw::Frictionless;  ///< of `target`
+  /// All rows of phi are the same: the posture is evaluated once.
+  bool is_one_posture = false;
 };
 
 inline constexpr int kTargetNumbers = 28;

@@ -31,6 +31,10 @@ template <class S>
 PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistance& resistance,
                                   const JointVector<S>& phi);
 
+/// Kinematics and Jacobian alone, for what depends on the place of the bodies and of the hand.
+template <class S>
+PostureImpact<S> evaluate_hand(const RobotModel& robot, const JointVector<S>& phi);
+
 /// Response to the wrench F = [f; t] at the hand (in B).
 template <class S>
 struct ImpactResponse {

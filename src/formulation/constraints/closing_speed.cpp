@@ -11,7 +11,7 @@ void add_closing_speed(const CaptureModel& model, ConstraintSet& out) {
                         .unit = "m/s",
                         .lower = least,
                         .upper = kInfinity,
-                        .needs_impact = true};
+                        .needs_encounter = true};
   label.is_always_reported = true;  // the target need not rotate
   add_constraint(varies ? out.rows : out.reported, label,
                  []<class S>(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) -> S {

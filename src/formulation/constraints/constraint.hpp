@@ -20,8 +20,8 @@ template <class S>
 struct ConstraintPoint {
   const CaptureModel& model;
   const Placement<S>& placement;
-  const PostureImpact<S>& posture;
-  const ScenarioImpact<S>& impact;  ///< nominal; set for constraints that need it
+  const PostureImpact<S>& posture;  ///< set as far as the constraints need it
+  const ScenarioImpact<S>& impact;  ///< nominal; set as far as the constraints need it
 };
 
 using GradientRow = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
@@ -40,7 +40,9 @@ struct ConstraintLabel {
   std::string name;
   std::string unit;
   double lower, upper;
-  bool needs_impact = false;
+  bool needs_inertia = false;    ///< more of the posture than kinematics and Jacobian
+  bool needs_encounter = false;  ///< the impact's encounter and its rates
+  bool needs_impact = false;     ///< the whole impact, and so all of the posture
   /// An equation of the impact case: presolve asks whether others imply it.
   bool is_of_case = false;
   /// A limit on rates, singular values or distances, which no enclosure of solutions counts.

@@ -25,6 +25,7 @@ void add_coupling_margin(const CaptureModel& model, ConstraintSet& out) {
                   .unit = "kg m^2",
                   .lower = least,
                   .upper = kInfinity,
+                  .needs_inertia = true,
                   .is_limit = true},
                  smallest);
 }

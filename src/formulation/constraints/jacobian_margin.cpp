@@ -46,6 +46,7 @@ void add_jacobian_margin(const CaptureModel& model, ConstraintSet& out) {
                   .unit = "m",
                   .lower = least,
                   .upper = kInfinity,
+                  .needs_inertia = true,
                   .is_limit = true},
                  smallest);
 }

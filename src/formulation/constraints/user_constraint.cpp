@@ -11,7 +11,11 @@ namespace {
 class UserRow final : public Constraint {
  public:
   explicit UserRow(UserConstraint constraint)
-      : Constraint({constraint.name, constraint.unit, constraint.lower, constraint.upper, true}),
+      : Constraint({.name = constraint.name,
+                    .unit = constraint.unit,
+                    .lower = constraint.lower,
+                    .upper = constraint.upper,
+                    .needs_impact = true}),
         function_(std::move(constraint.value)),
         gradient_(std::move(constraint.gradient)) {}
 
