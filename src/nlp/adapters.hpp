@@ -14,6 +14,7 @@ using Optimizers = std::vector<std::unique_ptr<Optimizer>>;
 /// bench/README.md shows one.
 Optimizers nlopt_optimizers();
 Optimizers ipopt_optimizers();
+Optimizers sqp();
 Optimizers gradient_projection();
 Optimizers random_search();
 

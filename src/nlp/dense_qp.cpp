@@ -27,7 +27,7 @@ void rotate(First&& first, Second&& second, double cosine, double sine) {
 /// Cosine and sine of the rotation that moves all of (a, b) to its first entry, the cosine not
 /// negative. @return that entry; 0: nothing to rotate
 double rotation_of(double a, double b, double& cosine, double& sine) {
-  const double length = std::hypot(a, b);
+  const double length = std::sqrt(a * a + b * b);  // numbers of order one
   if (length == 0) return 0;
   cosine = a / length;
   sine = b / length;
@@ -42,8 +42,10 @@ double rotation_of(double a, double b, double& cosine, double& sine) {
 DenseQp::DenseQp(int most_variables, int most_rows)
     : H_(Eigen::MatrixXd::Identity(most_variables, most_variables)),
       normals_(Eigen::MatrixXd::Zero(most_variables, most_rows)),
+      rows_of_normals_(most_rows, most_variables),
       g_(Eigen::VectorXd::Zero(most_variables)),
       b_(most_rows),
+      slacks_(most_rows),
       d_(most_variables),
       multipliers_(most_rows),
       J_(most_variables, most_variables),
@@ -68,21 +70,22 @@ Eigen::Ref<Eigen::VectorXd> DenseQp::add_row(double b, bool is_equation) {
 }
 
 bool DenseQp::factorise() {
-  // H = L L', kept in R for the moment; J = L'^-1.
+  // H = L L', kept in R for the moment; J = L'^-1. By columns.
   for (int j = 0; j < n_; ++j) {
-    const double pivot = H_(j, j) - R_.row(j).head(j).squaredNorm();
+    const int below = n_ - j;
+    auto column = R_.col(j).segment(j, below);
+    column = H_.col(j).segment(j, below);
+    for (int k = 0; k < j; ++k) column -= R_(j, k) * R_.col(k).segment(j, below);
+    const double pivot = column[0];
     if (!(pivot > 0) || !std::isfinite(pivot)) return false;
-    R_(j, j) = std::sqrt(pivot);
-    for (int i = j + 1; i < n_; ++i) {
-      R_(i, j) = (H_(i, j) - R_.row(i).head(j).dot(R_.row(j).head(j))) / R_(j, j);
-    }
+    column /= std::sqrt(pivot);
   }
   J_.topLeftCorner(n_, n_).setZero();
   for (int j = 0; j < n_; ++j) {  // column j solves L' J_j = e_j
-    for (int i = j; i >= 0; --i) {
-      double sum = i == j ? 1 : 0;
-      for (int k = i + 1; k <= j; ++k) sum -= R_(k, i) * J_(k, j);
-      J_(i, j) = sum / R_(i, i);
+    J_(j, j) = 1 / R_(j, j);
+    for (int i = j - 1; i >= 0; --i) {
+      const double sum = R_.col(i).segment(i + 1, j - i).dot(J_.col(j).segment(i + 1, j - i));
+      J_(i, j) = -sum / R_(i, i);
     }
   }
   R_.topLeftCorner(n_, n_).setZero();
@@ -153,6 +156,7 @@ DenseQp::Outcome DenseQp::solve() {
   for (int j = 0; j < n_; ++j) {
     d_.head(n_) -= J_.col(j).head(n_).dot(g_.head(n_)) * J_.col(j).head(n_);
   }
+  for (int row = 0; row < rows_; ++row) rows_of_normals_.row(row).head(n_) = normal(row);
   const auto slack = [this](int row) { return normal(row).dot(solution()) - b_[row]; };
   const auto tolerance = [this, &kSatisfied](int row) {
     return kSatisfied * (1 + std::abs(b_[row]));
@@ -179,9 +183,13 @@ DenseQp::Outcome DenseQp::solve() {
   for (int pass = 0; pass < most; ++pass) {
     if (entering < 0) {
       double worst = 0;
+      slacks_.head(rows_) = -b_.head(rows_);
+      for (int j = 0; j < n_; ++j) {
+        slacks_.head(rows_) += d_[j] * rows_of_normals_.col(j).head(rows_);
+      }
       for (int row = equations_; row < rows_; ++row) {
         if (is_active_[static_cast<std::size_t>(row)] != 0) continue;
-        const double excess = -slack(row) - tolerance(row);
+        const double excess = -slacks_[row] - tolerance(row);
         if (excess > worst) {
           worst = excess;
           entering = row;

@@ -50,8 +50,8 @@ class DenseQp {
   void drop_from_active(int row);
 
   int n_ = 0, rows_ = 0, equations_ = 0;
-  Eigen::MatrixXd H_, normals_;  // one normal per column
-  Eigen::VectorXd g_, b_, d_, multipliers_;
+  Eigen::MatrixXd H_, normals_, rows_of_normals_;  // one normal per column, per row
+  Eigen::VectorXd g_, b_, slacks_, d_, multipliers_;
   // The active set: J' N = [R; 0], J J' = H^-1.
   Eigen::MatrixXd J_, R_;
   Eigen::VectorXd projected_, step_, dual_step_, u_;

@@ -129,7 +129,7 @@ void explain(OptimizeResult& result, const Problem& problem, const OptimizeOptio
   inner.explain_infeasibility = false;
   inner.ends_at = nullptr;  // of another problem
   const OptimizeResult nearest =
-      make_optimizer("nlopt-slsqp")->minimize(ViolationProblem(problem), result.x, inner);
+      make_optimizer("sqp")->minimize(ViolationProblem(problem), result.x, inner);
   Evaluation at_x;
   problem.evaluate(nearest.x, at_x);
   result.evaluations += nearest.evaluations + 1;

@@ -7,7 +7,7 @@ namespace {
 Optimizers all_optimizers() {
   Optimizers all;
   for (Optimizers (*const adapter)() :
-       {nlopt_optimizers, ipopt_optimizers, gradient_projection, random_search}) {
+       {nlopt_optimizers, ipopt_optimizers, sqp, gradient_projection, random_search}) {
     for (std::unique_ptr<Optimizer>& optimizer : adapter()) all.push_back(std::move(optimizer));
   }
   return all;

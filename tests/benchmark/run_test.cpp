@@ -44,7 +44,7 @@ TEST_CASE("a run keeps to its budget, repeats, and only ever gets better") {
        {std::pair{"planar_two_link", BenchmarkGoal::Case},
         std::pair{"spart", BenchmarkGoal::WorstCase}, std::pair{"iiwa", BenchmarkGoal::Nominal}}) {
     const BenchmarkInstance instance = instance_of(family, goal);
-    for (const char* optimizer : {"nlopt-slsqp", "nlopt-isres", "ipopt", "random-search"}) {
+    for (const char* optimizer : {"sqp", "nlopt-slsqp", "nlopt-isres", "ipopt", "random-search"}) {
       CAPTURE(instance.name, optimizer);
       const RunRequest request = request_of(instance, optimizer);
       const RunRecord record = run_benchmark(instance, request);

@@ -19,7 +19,7 @@ bool is_one_of(const std::string& name, std::initializer_list<const char*> names
 
 // Those that promise a KKT point of any smooth problem.
 bool is_precise(const std::string& name) {
-  return is_one_of(name, {"nlopt-slsqp", "nlopt-auglag-lbfgs", "ipopt", "ipopt-lbfgs"});
+  return is_one_of(name, {"sqp", "nlopt-slsqp", "nlopt-auglag-lbfgs", "ipopt", "ipopt-lbfgs"});
 }
 
 // Global ones go on to their budget: keep it small.
@@ -221,7 +221,7 @@ TEST_CASE("the same request gives the same bytes") {
 }
 
 TEST_CASE("optimizers may run in several threads at once") {
-  for (const std::string name : {"nlopt-slsqp", "nlopt-isres", "ipopt"}) {
+  for (const std::string name : {"sqp", "nlopt-slsqp", "nlopt-isres", "ipopt"}) {
     const auto optimizer = make_optimizer(name);
     OptimizeOptions options;
     options.max_evaluations = 1000;
@@ -281,9 +281,9 @@ TEST_CASE("the registry has its names and no others") {
   const std::vector<std::string> names = optimizer_names();
   CHECK(std::set<std::string>(names.begin(), names.end()).size() == names.size());
   for (const char* name :
-       {"nlopt-slsqp", "nlopt-auglag-lbfgs", "nlopt-auglag-mma", "nlopt-ccsaq", "nlopt-cobyla",
-        "nlopt-bobyqa", "nlopt-crs2", "nlopt-isres", "nlopt-esch", "nlopt-direct-l", "nlopt-mlsl",
-        "ipopt", "ipopt-lbfgs", "gradient-projection", "random-search"}) {
+       {"sqp", "nlopt-slsqp", "nlopt-auglag-lbfgs", "nlopt-auglag-mma", "nlopt-ccsaq",
+        "nlopt-cobyla", "nlopt-bobyqa", "nlopt-crs2", "nlopt-isres", "nlopt-esch", "nlopt-direct-l",
+        "nlopt-mlsl", "ipopt", "ipopt-lbfgs", "gradient-projection", "random-search"}) {
     CHECK(std::count(names.begin(), names.end(), name) == 1);
   }
   for (const std::string& name : names) CHECK(make_optimizer(name)->info().name == name);
