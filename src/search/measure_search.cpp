@@ -168,7 +168,7 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
       if (!end) return;
       if (by_themselves) ends.push_back(end->value);
       approached.push_back(std::move(*end));
-      if (more) hopeless = options.same_value * best()->value;
+      hopeless = options.same_value * best()->value;
     };
     const auto count = static_cast<int>(from.size());
     out.stopped = for_each_index(jobs, count, solve.stop, work, take) < count || out.stopped;

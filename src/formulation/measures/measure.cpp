@@ -25,6 +25,15 @@ std::vector<Scenario> scenarios_of(const std::vector<ConeMaximum>& maxima) {
   return out;
 }
 
+nlp::OptimizeOptions roughly(const nlp::OptimizeOptions& options, const RoughLimits& limits) {
+  nlp::OptimizeOptions out = options;
+  out.max_evaluations = std::min(options.max_evaluations, limits.evaluations);
+  out.feasibility_tolerance = limits.violation;
+  out.optimality_tolerance = limits.kkt_residual;
+  out.explain_infeasibility = false;
+  return out;
+}
+
 }  // namespace
 
 Measure::Measure(const CaptureProblem& problem, const Formulation& formulation,
@@ -126,9 +135,7 @@ RoughSolution Measure::minimize_roughly(const nlp::Optimizer& optimizer,
     return exchange(optimizer, options, x0, limits);
   }
   if (has_residual(problem_)) {
-    nlp::OptimizeOptions rough = options;
-    rough.max_evaluations = std::min(options.max_evaluations, limits.evaluations);
-    return {finish(optimizer, rough, x0), {}};
+    return {finish(optimizer, roughly(options, limits), x0), {}};
   }
   return {{x0, 0}, {}};
 }
@@ -185,8 +192,7 @@ std::vector<Scenario> Measure::first_directions(const std::vector<ConeMaximum>& 
 RoughSolution Measure::exchange(const nlp::Optimizer& optimizer,
                                 const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0,
                                 const RoughLimits& limits) {
-  nlp::OptimizeOptions rough = options;
-  rough.max_evaluations = std::min(options.max_evaluations, limits.evaluations);
+  const nlp::OptimizeOptions rough = roughly(options, limits);
   RoughSolution out{{x0, 0}, {}};
   std::vector<ConeMaximum> worst = maxima_at(x0);
   std::vector<Scenario> active = first_directions(worst);
@@ -199,7 +205,11 @@ RoughSolution Measure::exchange(const nlp::Optimizer& optimizer,
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(x), rough);
     ++out.solver_calls;
     if (!result.feasible) break;
-    x = in_shortest_turns(formulation_, result.x.head(x0.size()));
+    const ProjectionResult end = project_onto_constraints(
+        formulation_, in_shortest_turns(formulation_, result.x.head(x0.size())), false,
+        limits.projection_steps);
+    if (!(end.violation <= limits.projected)) break;
+    x = end.x;
     worst = maxima_at(x);
     if (round == 0 || worst.front().value < least) {  // x0 may break constraints
       least = worst.front().value;
