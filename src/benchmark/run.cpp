@@ -119,7 +119,7 @@ RunRecord refined(const BenchmarkInstance& instance, const RunRecord& record) {
   consider(x0);
   Eigen::VectorXd x = program.on_constraints(x0);
   consider(x);
-  x = nlp::make_optimizer("nlopt-slsqp")->minimize(program, x, {}).x;
+  x = nlp::make_optimizer("sqp")->minimize(program, x, {}).x;
   consider(x);
   consider(program.on_constraints(x));
   if (best_x.size() == 0) return out;

@@ -201,7 +201,7 @@ std::optional<Eigen::VectorXd> nearest_zero(const CaptureProblem& problem,
   const Eigen::Index open = open_directions(formulation, zero, true).cols();
   if (open < 2) return std::nullopt;
   const DistanceAmongZeros distance(problem, formulation, zero, options);
-  const auto optimizer = nlp::make_optimizer("nlopt-slsqp");
+  const auto optimizer = nlp::make_optimizer("sqp");
   nlp::OptimizeOptions rough, fine;
   rough.stop = fine.stop = stop;
   rough.explain_infeasibility = fine.explain_infeasibility = false;

@@ -139,7 +139,12 @@ class Search {
     out_.stopped = done < starts;
     if (starts > 0 && nearest_.x.size() == 0) throw std::invalid_argument(undefined_words());
     last_start_ = std::max(done - 1, 0);
-    if (solves_.rescuer() != nullptr) rescue_solutions();
+    if (solves_.rescuer() == nullptr) return;
+    if (measure_.is_nominal()) {
+      rescue_solutions();
+    } else {
+      rescue_best_solution();
+    }
   }
 
   /// Which functions have no value, by the first start.
@@ -178,6 +183,22 @@ class Search {
       for (const auto& [name, calls] : ends[k].calls) out_.solver_calls[name] += calls;
       if (better(end, nearest_)) nearest_ = end;
       keep_distinct(formulation_, end, solutions_, options_.same_configuration);
+    }
+  }
+
+  /// The same for the best alone: of another measure the others are but starts.
+  void rescue_best_solution() {
+    for (int i = 0; i < options_.rescued_minima && !solutions_.empty(); ++i) {
+      const auto best =
+          std::min_element(solutions_.begin(), solutions_.end(),
+                           [](const Solution& a, const Solution& b) { return better(a, b); });
+      if (!solves_.stopped_short(*best)) return;
+      Solution further = solves_.rescued(*best, last_start_, out_.solver_calls);
+      further.x = formulation_.normalised(further.x);
+      further.reached = best->reached;
+      if (better(further, nearest_)) nearest_ = further;
+      solutions_.erase(best);
+      keep_distinct(formulation_, further, solutions_, options_.same_configuration);
     }
   }
 

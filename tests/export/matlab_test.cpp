@@ -54,8 +54,8 @@ TEST_CASE("a MAT-file of a plan holds its arrays, its texts and the samples as m
   const Eigen::MatrixXd& positions = file.at("approach").at("joint_positions").values;
   REQUIRE(positions.rows() == k);
   REQUIRE(positions.cols() == n);
-  CHECK(file.at("solver_calls").at("nlopt_slsqp").values(0, 0) ==
-        static_cast<double>(plan.solver_calls.at("nlopt-slsqp")));
+  CHECK(file.at("solver_calls").at("sqp").values(0, 0) ==
+        static_cast<double>(plan.solver_calls.at("sqp")));
 
   const MatVariable& trajectory = variables.at("trajectory");
   REQUIRE(trajectory.at("time").values.rows() == k);

@@ -95,7 +95,7 @@ TEST_CASE("the multiplier of a binding limit is how fast the least value falls b
   const CaptureProblem problem = test::without_path(name);
   const Plan plan = quick_plan(problem);
   INFO(name);
-  const auto optimizer = nlp::make_optimizer("nlopt-slsqp");
+  const auto optimizer = nlp::make_optimizer("sqp");
   const auto least = [&](const CaptureProblem& moved) {
     const Formulation formulation(moved);
     Measure measure(moved, formulation);

@@ -30,7 +30,7 @@ PlanOfFeature plan(const std::string& feature, const std::vector<double>& values
   out.plan.certificate.distinct_solutions = static_cast<int>(values.size());
   out.plan.nominal_optimum =
       NominalOptimum{out.plan.configuration, 0, values.back(), values.back()};
-  out.plan.solver_calls = {{"nlopt-slsqp", 3}};
+  out.plan.solver_calls = {{"sqp", 3}};
   out.plan.status = PlanStatus::Optimal;
   return out;
 }
@@ -47,7 +47,7 @@ TEST_CASE("of several features the plan that ranks first is taken, with all cand
     CHECK(best.candidates[i].value == 1.0 + static_cast<double>(i));
   CHECK(best.certificate.starts == 20);
   CHECK(best.certificate.distinct_solutions == 4);
-  CHECK(best.solver_calls.at("nlopt-slsqp") == 6);
+  CHECK(best.solver_calls.at("sqp") == 6);
   CHECK(best.nominal_optimum->configuration.feature == "a");
   CHECK(best.certificate.proof.status == ProofStatus::NotApplicable);
 }

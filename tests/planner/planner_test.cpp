@@ -139,7 +139,7 @@ TEST_CASE("a capture with a seven-joint arm is planned with its approach on a fl
   CHECK(plan.impact.closing_speed >= problem.constraints.closing_speed_min);
   CHECK(plan.objective.worst_case >= plan.objective.nominal);
   SECTION("every solver that was used is counted") {
-    CHECK(plan.solver_calls.at("nlopt-slsqp") >= problem.search.starts);
+    CHECK(plan.solver_calls.at("sqp") >= problem.search.starts);
     CHECK(plan.solver_calls.at("rrt_connect") >= 1);
   }
   SECTION("the straight joint-space line collides, so the path has a way point between") {

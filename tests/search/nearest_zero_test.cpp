@@ -20,7 +20,7 @@ double way(const CaptureProblem& problem, const Formulation& formulation,
 
 /// Zeros at which local solves meet their surface.
 std::vector<Eigen::VectorXd> zeros_of(const Formulation& formulation, int starts) {
-  const auto optimizer = nlp::make_optimizer("nlopt-slsqp");
+  const auto optimizer = nlp::make_optimizer("sqp");
   nlp::OptimizeOptions solve;
   solve.max_evaluations = 1000;
   std::vector<Eigen::VectorXd> out;

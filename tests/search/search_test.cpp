@@ -102,7 +102,7 @@ TEST_CASE("both local solvers find exact zeros of the base rate with the hand at
   problem.hand.position = compute_kinematics<double>(robot, reachable).r_bh;
   const Formulation formulation(problem);
   CHECK(formulation.num_equations() == 2);
-  for (const char* optimizer : {"nlopt-slsqp", "ipopt"}) {
+  for (const char* optimizer : {"sqp", "nlopt-slsqp", "ipopt"}) {
     SearchOptions options;
     options.optimizer = optimizer;
     const SearchResult found = search(problem, formulation, options);

@@ -74,9 +74,9 @@ TEST_CASE("after a stop a search takes a few simulations more, and says what it 
       const Run run = stopped_run(problem, stop_at);
       INFO("measure " << static_cast<int>(measure) << ", stopped at " << stop_at << " of " << all
                       << ", " << run.after_stop << " more");
-      // The current simulation and a few nominal values; one worst case takes more than
-      // fifty, the remaining samples of one gradient as many.
-      CHECK(run.after_stop <= 24);
+      // The current simulation and a few nominal values, most where few starts have ended; one
+      // worst case takes more than fifty, the remaining samples of one gradient as many.
+      CHECK(run.after_stop <= 40);
       CHECK(run.result.status == PlanStatus::Limit);
       REQUIRE(run.result.candidates.size() >= 1);
       const Candidate& best = run.result.candidates.front();

@@ -181,7 +181,7 @@ inline constexpr int kMaxStarts = 10'000'000;  ///< of a search, in a file or on
 inline constexpr int kAutomaticStarts = 0;
 
 struct SearchSpec {
-  std::string optimizer = "nlopt-slsqp";
+  std::string optimizer = "sqp";
   int starts = kAutomaticStarts;
   std::uint64_t seed = 1;
   int max_candidates = 32;  ///< kept in the plan

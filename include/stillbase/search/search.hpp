@@ -83,7 +83,7 @@ struct MeasureSearchOptions {
 };
 
 struct SearchOptions {
-  std::string optimizer = "nlopt-slsqp";
+  std::string optimizer = "sqp";
   int starts = 64;  ///< of the nominal problem, before any rounds
   /// Whether a worst case, or a mean over the residual velocity, has further rounds of starts,
   /// until its best minimum was reached often.
@@ -107,7 +107,7 @@ struct SearchOptions {
                                   ///< sequential quadratic programming, an interior point seldom
   int max_evaluations = 1000;     ///< of a local solve, which needs about 40: creeping is cut off
   int max_simulated_evaluations = 200;  ///< the same of a simulated objective
-  int max_rescue_evaluations = 100;     ///< it is close; one costs ten times one of SLSQP
+  int max_rescue_evaluations = 100;     ///< it is close; one costs ten times one of sqp
   int rescued_minima = 2;               ///< of the measure, where the solver stopped short
   int more_draws = 8;            ///< of a start that the constraints refuse: far less than a solve
   double on_constraints = 1e-3;  ///< violation from which a local solver can go on

@@ -17,7 +17,7 @@
 namespace stillbase {
 
 struct TradeOffOptions {
-  std::string optimizer = "nlopt-slsqp";
+  std::string optimizer = "sqp";
   int starts = 64;  ///< of the search for each extreme
   std::uint64_t seed = 1;
   int levels = 24;  ///< at least 2
