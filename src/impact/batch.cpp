@@ -63,6 +63,7 @@ BatchColumns columns_of(const ImpactBatch& batch) {
   columns.phi = batch.phi.data();
   columns.F = batch.F.data();
   columns.is_one_posture = batch.is_one_posture;
+  assert(!batch.is_one_posture || batch.phi.colwise().maxCoeff() == batch.phi.colwise().minCoeff());
   if (batch.approach.size() > 0) {
     assert(batch.approach.size() == columns.count);
     columns.approach = batch.approach.data();

@@ -213,7 +213,7 @@ DenseQp::Outcome DenseQp::solve() {
     }
     const double curvature = step_.head(n_).dot(normal(entering));
     const bool can_move = size_ < n_ && curvature > kEpsilon * normal(entering).squaredNorm();
-    const double primal_limit = can_move ? -slack(entering) / curvature : kInfinity;
+    const double primal_limit = can_move ? std::max(0.0, -slack(entering)) / curvature : kInfinity;
     const double length = std::min(dual_limit, primal_limit);
     if (!(length < kInfinity)) return Outcome::Inconsistent;
     if (can_move) d_.head(n_) += length * step_.head(n_);

@@ -8,9 +8,9 @@
 // for nonlinearly constrained optimization calculations", LNM 630, 1978), and a line search lowers
 // the l1 merit function f + sum mu_i violation_i. Where the linearised constraints contradict each
 // other, they are relaxed by a common part (Kraft, "A software package for sequential quadratic
-// programming", DFVLR-FB 88-28, 1988). The steps are those of nlopt-slsqp but for the length of the
-// first one; the quadratic program is solved by its dual (dense_qp.hpp), which takes a pass per
-// active row and allocates nothing.
+// programming", DFVLR-FB 88-28, 1988). The method is that of nlopt-slsqp, whose iterates it mostly
+// repeats, but for steep starts; the quadratic program is solved by its dual (dense_qp.hpp), which
+// takes a pass per active row and allocates nothing.
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +22,7 @@ namespace stillbase::nlp {
 namespace {
 
 struct SqpOptions {
-  double first_step = 1;       ///< longest first step; variables are of order one
+  double first_step = 1;  ///< longest first step without constraints, of variables of order one
   double cautious_step = 0.1;  ///< the same after the descent got stuck at a violation
   double descent = 0.1;        ///< part of the first-order fall of the merit function
   double shortest = 0.1;       ///< factor of a rejected step, and of one to an undefined point
@@ -36,7 +36,7 @@ struct SqpOptions {
   int patience = 50;           ///< evaluations without a fall of the violation: stuck
   double close = 1e-2;         ///< violation that need not fall
   double fallen = 0.9;         ///< part of the last violation that counts as a fall
-  double off = 1e-6;           ///< violation of a last point that is no end
+  double violated_end = 1e-6;  ///< violation of a last point that is no end
 };
 constexpr SqpOptions kSqp;
 
@@ -74,17 +74,18 @@ class Descent {
         penalties_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sides_.size()))),
         multipliers_(penalties_) {}
 
-  /// @pre the monitor knows x with its derivatives
+  /// @pre the monitor knows the start with its derivatives, whatever budget is left
   Ended run(const Eigen::VectorXd& start, double first_step) {
     if (!look_at(start)) return Ended::Stopped;
     first_step_ = first_step;
-    last_violation_ = 0;
+    last_violation_ = worst_violation();
+    lowest_ = kInfinity;
+    since_fall_ = 0;
     reset_curvature();
     penalties_.setZero();
     int resets = 0;
     while (true) {
-      if (!find_step()) return Ended::NoDescent;
-      const double slope = merit_slope();
+      const double slope = find_step() ? merit_slope() : 0;
       if (!(slope < 0)) {
         if (++resets > kSqp.resets) return Ended::NoDescent;
         reset_curvature();
@@ -106,8 +107,7 @@ class Descent {
     }
   }
 
-  /// The last point is violated.
-  bool is_off() const { return last_violation_ > kSqp.off; }
+  double last_violation() const { return last_violation_; }
 
  private:
   /// Makes x the iterate. False: the solver has to stop, or the point is undefined.
@@ -191,11 +191,12 @@ class Descent {
     }
     step_ = qp_.solution().head(n_);
     multipliers_ = qp_.multipliers().head(multipliers_.size());
+    if (!step_.allFinite() || !multipliers_.allFinite()) return false;
     penalties_ = multipliers_.cwiseAbs().cwiseMax((multipliers_.cwiseAbs() + penalties_) / 2);
-    return step_.allFinite();
+    return true;
   }
 
-  /// Derivative of the merit function along the step.
+  /// Derivative of the merit function along the step, or a bound of it from above.
   double merit_slope() const {
     double violated = 0;
     for (std::size_t i = 0; i < sides_.size(); ++i) {
@@ -243,9 +244,13 @@ class Descent {
     B_ += y * y.transpose() / dy - Bd * Bd.transpose() / dBd;
   }
 
-  void watch() {
+  double worst_violation() const {
     double worst = 0;
     for (const Side& side : sides_) worst = std::max(worst, violation(side, room(side, here_)));
+    return worst;
+  }
+  void watch() {
+    const double worst = worst_violation();
     last_violation_ = worst;
     ++since_fall_;
     if (worst > std::max(kSqp.close, kSqp.fallen * lowest_)) return;
@@ -279,12 +284,14 @@ class Sqp final : public Optimizer {
 
  private:
   NativeOutcome solve(Monitor& monitor, const Eigen::VectorXd& start,
-                      const OptimizeOptions&) const override {
+                      const OptimizeOptions& options) const override {
     Descent descent(monitor);
     Ended ended = descent.run(start, kSqp.first_step);
     NativeOutcome out;
-    if (ended == Ended::Stuck || (ended != Ended::Stopped && descent.is_off())) {
-      out.remark = "got stuck at a violation, started again with a short first step";
+    const bool is_violated =
+        descent.last_violation() > std::max(kSqp.violated_end, options.feasibility_tolerance);
+    if (ended == Ended::Stuck || (ended != Ended::Stopped && is_violated)) {
+      out.remark = "left a violation, started again with a short first step";
       ended = descent.run(monitor.best_x(), kSqp.cautious_step);
       if (ended == Ended::Stuck) monitor.stop(StopReason::Stalled);
     }

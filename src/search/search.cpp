@@ -194,6 +194,7 @@ class Search {
                            [](const Solution& a, const Solution& b) { return better(a, b); });
       if (!solves_.stopped_short(*best)) return;
       Solution further = solves_.rescued(*best, last_start_, out_.solver_calls);
+      if (!better(further, *best)) return;
       further.x = formulation_.normalised(further.x);
       further.reached = best->reached;
       if (better(further, nearest_)) nearest_ = further;

@@ -231,9 +231,9 @@ TEST_CASE(
   CaptureProblem problem = test::shipped("planar_three_link_client");
   problem.measure.kind = RiskMeasure::Nominal;
   problem.approach.enabled = false;
-  problem.search.max_candidates = 4;
+  problem.search.max_candidates = 3;
   const Plan plan = make_plan(problem);
-  REQUIRE(plan.certificate.distinct_solutions > 4);
+  REQUIRE(plan.certificate.distinct_solutions > 3);
   CHECK(holds(plan, "candidates_list"));
   const auto member =
       std::find_if(plan.candidates.begin(), plan.candidates.end(), [](const Candidate& candidate) {

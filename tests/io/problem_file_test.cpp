@@ -30,7 +30,7 @@ TEST_CASE("a problem reads to SI units with every default in place") {
   CHECK(problem.variables.contact_time_lower == 60);
   CHECK(problem.variables.feature == "plus_x");
   CHECK_FALSE(problem.impulse.direction);
-  CHECK(problem.search.optimizer == "nlopt-slsqp");
+  CHECK(problem.search.optimizer == "sqp");
   CHECK(problem.search.starts == kAutomaticStarts);
   CHECK(problem.approach.acceleration_limit == Eigen::Vector2d(0.1, 0.1));
   CHECK(problem.obstacles.size() == 1);

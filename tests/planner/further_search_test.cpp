@@ -77,6 +77,7 @@ TEST_CASE("free rolls and curves of zeros of further candidates are stated") {
   for (Joint& joint : rolled.robot.joints) joint.max_velocity = 0.3 * kPi / 180;
   CaptureProblem curved = test::shipped("detumble_client_1000");
   curved.search.starts = 6;
+  curved.search.optimizer = "nlopt-slsqp";  // from these starts it finds nothing that holds
   curved.base.position = Vector3d(-2.413, 0.6075, 0.3246);
   curved.base.orientation =
       Eigen::AngleAxisd(68.41 * kPi / 180, Vector3d(0.1651, 0.9756, -0.1447).normalized());

@@ -31,7 +31,8 @@ template <class S>
 PostureImpact<S> evaluate_posture(const RobotModel& robot, const ImpactResistance& resistance,
                                   const JointVector<S>& phi);
 
-/// Kinematics and Jacobian alone, for what depends on the place of the bodies and of the hand.
+/// Kinematics and Jacobian alone, for what depends on the place of the bodies and of the hand; the
+/// other members are not set and may not be read.
 template <class S>
 PostureImpact<S> evaluate_hand(const RobotModel& robot, const JointVector<S>& phi);
 

@@ -108,7 +108,7 @@ struct SearchOptions {
   int max_evaluations = 1000;     ///< of a local solve, which needs about 40: creeping is cut off
   int max_simulated_evaluations = 200;  ///< the same of a simulated objective
   int max_rescue_evaluations = 100;     ///< it is close; one costs ten times one of sqp
-  int rescued_minima = 2;               ///< of the measure, where the solver stopped short
+  int rescued_minima = 2;               ///< the best, where the solver stopped short
   int more_draws = 8;            ///< of a start that the constraints refuse: far less than a solve
   double on_constraints = 1e-3;  ///< violation from which a local solver can go on
   int starts_per_isolated = 16;  ///< Newton steps for isolated points cost less than a solve

@@ -146,7 +146,11 @@ MeasureSolution Measure::finish(const nlp::Optimizer& optimizer,
     MeasureSolution first = follow(optimizer, options, x0);
     if (certify(first.x).kkt_residual <= options.optimality_tolerance) return first;
     // The set of maxima has changed: a second round from cuts that hold everywhere.
-    const MeasureSolution nearer = exchange(optimizer, options, first.x);
+    const RoughLimits exact{.evaluations = 60,
+                            .violation = options.feasibility_tolerance,
+                            .kkt_residual = options.optimality_tolerance,
+                            .projected = options.feasibility_tolerance};
+    const MeasureSolution nearer = exchange(optimizer, options, first.x, exact);
     MeasureSolution second = follow(optimizer, options, nearer.x);
     const int calls = first.solver_calls + nearer.solver_calls + second.solver_calls;
     MeasureSolution& best = value(second.x) < value(first.x) ? second : first;

@@ -36,12 +36,13 @@ struct RoughLimits {
   /// back onto curved constraints before it is over: were its points to satisfy them, half of those
   /// of deos_client_224 would end where they began.
   double violation = 1e-3;
-  double kkt_residual = 1e-4;  ///< at which it ends: with 1e-2 two more seeds of sixty miss the
-                               ///< best minimum of the hardest random problem of the tests
+  /// Tolerance of its end: it goes on to a thousandth of it. With 1e-2 two more seeds of sixty miss
+  /// the best minimum of the hardest random problem of the tests.
+  double kkt_residual = 1e-4;
   int projection_steps = 8;
   double projected = 1e-6;  ///< violation that is left then
-  /// Measure beyond which a start is given up: its minimum over the directions so far exceeds it,
-  /// and over the cone it is no less.
+  /// Measure beyond which a start is given up: what it reached over the directions so far exceeds
+  /// it, and over the cone its minimum is no less than over these.
   double hopeless = kInfinity;
 };
 
