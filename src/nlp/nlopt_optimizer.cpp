@@ -12,6 +12,7 @@
 
 #include "nlp/adapters.hpp"
 #include "nlp/monitor.hpp"
+#include "nlp/stuck_watch.hpp"
 
 namespace stillbase::nlp {
 namespace {
@@ -72,44 +73,6 @@ struct ConstraintRow {
   double bound;
 };
 
-// Sequential quadratic programming takes its first step along the gradient, as long as that is.
-// From a steep start it may end where the linearised equations contradict each other: there it
-// lowers the objective by small steps for hundreds of evaluations, and never comes back; or it ends
-// there by itself, and the start is still the best feasible point.
-struct StuckOptions {
-  int patience = 50;           ///< evaluations without a fall of the violation
-  double close = 1e-2;         ///< violation that need not fall: rows are of order one
-  double off = 1e-6;           ///< violation of a last point that is no end
-  double fallen = 0.9;         ///< part of the last violation that counts as a fall
-  double cautious_step = 0.1;  ///< length of the second run's first step; variables are of order 1
-};
-constexpr StuckOptions kStuck;
-
-class StuckWatch {
- public:
-  void look_at(const Monitor& monitor, const Evaluation& e) {
-    const double violation = monitor.constraint_lower().size() == 0
-                                 ? 0.0
-                                 : signed_violation(e.constraints, monitor.constraint_lower(),
-                                                    monitor.constraint_upper())
-                                       .lpNorm<Eigen::Infinity>();
-    ++evaluations_;
-    last_ = violation;
-    if (violation > std::max(kStuck.close, kStuck.fallen * reference_)) return;
-    reference_ = violation;
-    evaluations_ = 0;
-  }
-  bool is_stuck() const { return evaluations_ >= kStuck.patience; }
-  /// The last point is violated.
-  bool is_off() const { return last_ > kStuck.off; }
-  void reset() { *this = StuckWatch(); }
-
- private:
-  int evaluations_ = 0;
-  double reference_ = kInfinity;
-  double last_ = 0.0;
-};
-
 struct Context {
   Monitor& monitor;
   nlopt_opt opt;
@@ -124,11 +87,19 @@ struct ConstraintContext {
   std::vector<ConstraintRow> rows;
 };
 
+double worst_violation(const Monitor& monitor, const Evaluation& e) {
+  if (monitor.constraint_lower().size() == 0) return 0.0;
+  return signed_violation(e.constraints, monitor.constraint_lower(), monitor.constraint_upper())
+      .lpNorm<Eigen::Infinity>();
+}
+
 const Evaluation* evaluate(Context& context, const double* x) {
   const int before = context.monitor.evaluations();
   const Evaluation* e = context.monitor.evaluate(x);
   const bool is_new = context.monitor.evaluations() > before;
-  if (context.is_watched && is_new && e != nullptr) context.watch.look_at(context.monitor, *e);
+  if (context.is_watched && is_new && e != nullptr) {
+    context.watch.look_at(worst_violation(context.monitor, *e));
+  }
   if (context.monitor.stopped() || context.watch.is_stuck()) nlopt_force_stop(context.opt);
   return e;
 }
@@ -278,7 +249,8 @@ class NloptOptimizer final : public Optimizer {
     };
     context.is_watched = row_.algorithm == NLOPT_LD_SLSQP && !options.library_defaults;
     if (code >= 0) run(start);
-    const bool goes_on = (context.watch.is_stuck() || context.watch.is_off()) && !monitor.stopped();
+    const bool is_off = context.watch.is_off(options.feasibility_tolerance);
+    const bool goes_on = (context.watch.is_stuck() || is_off) && !monitor.stopped();
     if (goes_on) {
       const double slope = monitor.best().gradient.norm();
       context.scale = std::min(1.0, kStuck.cautious_step / slope);
@@ -291,7 +263,7 @@ class NloptOptimizer final : public Optimizer {
     NativeOutcome outcome{code, nlopt_result_to_string(code), ""};
     if (text != nullptr) outcome.status += std::string(": ") + text;
     if (wrapped) outcome.remark = "wrapped in an augmented Lagrangian";
-    if (goes_on) outcome.remark = "got stuck at a violation, started again with a short first step";
+    if (goes_on) outcome.remark = kStuckRemark;
     return outcome;
   }
 

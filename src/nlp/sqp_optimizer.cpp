@@ -17,26 +17,22 @@
 #include "nlp/adapters.hpp"
 #include "nlp/dense_qp.hpp"
 #include "nlp/monitor.hpp"
+#include "nlp/stuck_watch.hpp"
 
 namespace stillbase::nlp {
 namespace {
 
 struct SqpOptions {
-  double first_step = 1;  ///< longest first step without constraints, of variables of order one
-  double cautious_step = 0.1;  ///< the same after the descent got stuck at a violation
-  double descent = 0.1;        ///< part of the first-order fall of the merit function
-  double shortest = 0.1;       ///< factor of a rejected step, and of one to an undefined point
-  int halvings = 10;           ///< of one step; then it is taken, whatever the merit function says
-  double damping = 0.2;        ///< least part of d' B d that the curvature of an update has
-  int resets = 5;              ///< of B to its start, where a step does not descend
-  double relaxation = 100;     ///< curvature of the relaxed part of the constraints, then ten times
-  int relaxations = 5;         ///< it, as often as the part remains whole
-  double whole = 1 - 1e-6;     ///< part that counts as whole
-  double step = 1e-12;         ///< length of a step that is lost in rounding
-  int patience = 50;           ///< evaluations without a fall of the violation: stuck
-  double close = 1e-2;         ///< violation that need not fall
-  double fallen = 0.9;         ///< part of the last violation that counts as a fall
-  double violated_end = 1e-6;  ///< violation of a last point that is no end
+  double first_step = 1;    ///< longest first step without constraints, of variables of order one
+  double descent = 0.1;     ///< part of the first-order fall of the merit function
+  double shortest = 0.1;    ///< factor of a rejected step, and of one to an undefined point
+  int halvings = 10;        ///< of one step; then it is taken, whatever the merit function says
+  double damping = 0.2;     ///< least part of d' B d that the curvature of an update has
+  int resets = 5;           ///< of B to its start, where a step does not descend
+  double relaxation = 100;  ///< curvature of the relaxed part of the constraints, then ten times
+  int relaxations = 5;      ///< it, as often as the part remains whole
+  double whole = 1 - 1e-6;  ///< part that counts as whole
+  double step = 1e-12;      ///< length of a step that is lost in rounding
 };
 constexpr SqpOptions kSqp;
 
@@ -78,9 +74,8 @@ class Descent {
   Ended run(const Eigen::VectorXd& start, double first_step) {
     if (!look_at(start)) return Ended::Stopped;
     first_step_ = first_step;
-    last_violation_ = worst_violation();
-    lowest_ = kInfinity;
-    since_fall_ = 0;
+    watch_.reset();
+    watch_.look_at(worst_violation());
     reset_curvature();
     penalties_.setZero();
     int resets = 0;
@@ -96,7 +91,7 @@ class Descent {
       const bool arrived = search_line(before, slope);
       if (monitor_.stopped()) return Ended::Stopped;
       if (!arrived) return Ended::NoDescent;
-      if (is_stuck()) return Ended::Stuck;
+      if (watch_.is_stuck()) return Ended::Stuck;
       const Eigen::VectorXd moved = x_ - before;
       if (moved.lpNorm<Eigen::Infinity>() <= kSqp.step * (1 + x_.lpNorm<Eigen::Infinity>())) {
         if (++resets > kSqp.resets) return Ended::StepLost;
@@ -107,7 +102,7 @@ class Descent {
     }
   }
 
-  double last_violation() const { return last_violation_; }
+  bool is_off(double tolerance) const { return watch_.is_off(tolerance); }
 
  private:
   /// Makes x the iterate. False: the solver has to stop, or the point is undefined.
@@ -217,7 +212,7 @@ class Descent {
         part *= kSqp.shortest;
         continue;
       }
-      watch();
+      watch_.look_at(worst_violation());
       const double change = merit(here_) - before, expected = part * slope;
       if (is_last || change <= kSqp.descent * expected) return true;
       part *= std::max(expected / (2 * (expected - change)), kSqp.shortest);
@@ -249,20 +244,6 @@ class Descent {
     for (const Side& side : sides_) worst = std::max(worst, violation(side, room(side, here_)));
     return worst;
   }
-  void watch() {
-    const double worst = worst_violation();
-    last_violation_ = worst;
-    ++since_fall_;
-    if (worst > std::max(kSqp.close, kSqp.fallen * lowest_)) return;
-    lowest_ = worst;
-    since_fall_ = 0;
-  }
-  bool is_stuck() {
-    if (since_fall_ < kSqp.patience) return false;
-    since_fall_ = 0;
-    lowest_ = kInfinity;
-    return true;
-  }
 
   Monitor& monitor_;
   const std::vector<Side> sides_;
@@ -271,8 +252,8 @@ class Descent {
   Eigen::VectorXd penalties_, multipliers_, x_, step_;
   Evaluation here_;
   Eigen::MatrixXd B_;
-  double first_step_ = 1, relaxed_ = 0, lowest_ = kInfinity, last_violation_ = 0;
-  int since_fall_ = 0;
+  double first_step_ = 1, relaxed_ = 0;
+  StuckWatch watch_;
 };
 
 class Sqp final : public Optimizer {
@@ -288,11 +269,10 @@ class Sqp final : public Optimizer {
     Descent descent(monitor);
     Ended ended = descent.run(start, kSqp.first_step);
     NativeOutcome out;
-    const bool is_violated =
-        descent.last_violation() > std::max(kSqp.violated_end, options.feasibility_tolerance);
-    if (ended == Ended::Stuck || (ended != Ended::Stopped && is_violated)) {
-      out.remark = "left a violation, started again with a short first step";
-      ended = descent.run(monitor.best_x(), kSqp.cautious_step);
+    const bool is_off = descent.is_off(options.feasibility_tolerance);
+    if (ended == Ended::Stuck || (ended != Ended::Stopped && is_off)) {
+      out.remark = kStuckRemark;
+      ended = descent.run(monitor.best_x(), kStuck.cautious_step);
       if (ended == Ended::Stuck) monitor.stop(StopReason::Stalled);
     }
     static constexpr const char* kWords[] = {"step lost in rounding", "no step descends", "stuck",
