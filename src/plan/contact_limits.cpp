@@ -33,16 +33,14 @@ const std::vector<ContactLimitRow>& contact_limits() {
            },
        .uncounted = "joint rates",
        .loosening = "a larger constraints.joint_rate_max or joint_rate_scale"},
-      {.name = "coupling_singular_value",
-       .has_several = false,
-       .is_stated = [](const Problem& p) { return p.constraints.coupling_singular_value_min > 0; },
-       .uncounted = "singular values",
-       .loosening = "a smaller constraints.coupling_singular_value_min"},
-      {.name = "jacobian_singular_value",
-       .has_several = false,
-       .is_stated = [](const Problem& p) { return p.constraints.jacobian_singular_value_min > 0; },
-       .uncounted = "singular values",
-       .loosening = "a smaller constraints.jacobian_singular_value_min"},
+#define LEAST_VALUE(quantity, dimension, words, sentence)                          \
+  {.name = #quantity,                                                              \
+   .has_several = false,                                                           \
+   .is_stated = [](const Problem& p) { return p.constraints.quantity##_min > 0; }, \
+   .uncounted = words,                                                             \
+   .loosening = "a smaller constraints." #quantity "_min"},
+#include <stillbase/plan/least_values.def>
+#undef LEAST_VALUE
       {.name = "clearance_",
        .has_several = true,
        .is_stated = [](const Problem& p) { return p.constraints.clearance.has_value(); },

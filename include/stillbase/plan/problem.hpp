@@ -129,10 +129,12 @@ struct ConstraintSpec {
   /// limits of their own (n, rad/s or m/s; empty: none). At most one of the two.
   std::optional<double> joint_rate_scale;
   JointVectord joint_rate_max;
-  /// Least singular value of Htilde_omegaphi (of its generic rank), kg m^2; 0: no constraint.
-  double coupling_singular_value_min = 0;
-  /// The same of the generalized Jacobian Jhat, its angular rows times `jacobian_length`, m.
-  double jacobian_singular_value_min = 0;
+  // Least values, 0: no bound. coupling_singular_value_min (kg m^2) is of Htilde_omegaphi,
+  // jacobian_singular_value_min (m) of the generalized Jacobian with its angular rows times
+  // `jacobian_length`, both of the matrix's generic rank.
+#define LEAST_VALUE(quantity, dimension, uncounted, sentence) double quantity##_min = 0;
+#include <stillbase/plan/least_values.def>
+#undef LEAST_VALUE
   double jacobian_length = 1;  ///< m
   /// Kept at the contact between bodies that may not touch, m; empty: not a constraint.
   std::optional<double> clearance;

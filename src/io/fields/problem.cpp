@@ -60,16 +60,11 @@ void constraints_fields(Table& t, CaptureProblem& problem) {
     JointValues(constraints.joint_rate_max, problem.robot, kJointVelocity, kLargePositive),
     "instead: limits of their own");
   t.not_both("joint_rate_scale", "joint_rate_max");
-  const Range singular{.lower = 0, .upper = 1e9};
-  t("coupling_singular_value_min",
-    Number(constraints.coupling_singular_value_min, Dimension::Inertia, singular),
-    "lower bound of the smallest singular value of the angular coupling matrix, so that the arm "
-    "can push against every direction of the base; of those that are not zero in every posture "
-    "(one of a planar robot); 0: no bound");
-  t("jacobian_singular_value_min",
-    Number(constraints.jacobian_singular_value_min, Dimension::Length, singular),
-    "the same of the generalized Jacobian, its angular rows times `jacobian_length`; with a "
-    "`contact.hand_velocity` it keeps the joint rates smooth: no singular posture is near");
+  const Range least{.lower = 0, .upper = 1e9};
+#define LEAST_VALUE(quantity, dimension, uncounted, sentence) \
+  t(#quantity "_min", Number(constraints.quantity##_min, Dimension::dimension, least), sentence);
+#include <stillbase/plan/least_values.def>
+#undef LEAST_VALUE
   t("jacobian_length", Number(constraints.jacobian_length, Dimension::Length, kSize),
     "converts angles into lengths there");
   t("clearance", Number(constraints.clearance, Dimension::Length, kDistance),

@@ -20,7 +20,7 @@ FreeMatrix<S> scaled_generalized_jacobian(const PostureImpact<S>& posture, doubl
 
 }  // namespace
 
-void add_jacobian_margin(const CaptureModel& model, ConstraintSet& out) {
+void add_jacobian_singular_value(const CaptureModel& model, ConstraintSet& out) {
   const double least = model.problem.constraints.jacobian_singular_value_min;
   const double length = model.problem.constraints.jacobian_length;
   if (!(least > 0)) return;

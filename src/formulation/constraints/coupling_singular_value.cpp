@@ -3,7 +3,7 @@
 
 namespace stillbase {
 
-void add_coupling_margin(const CaptureModel& model, ConstraintSet& out) {
+void add_coupling_singular_value(const CaptureModel& model, ConstraintSet& out) {
   const double least = model.problem.constraints.coupling_singular_value_min;
   if (!(least > 0)) return;
   const int rank = generic_rank(model, [](const PostureImpact<double>& posture) {
