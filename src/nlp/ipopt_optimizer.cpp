@@ -1,6 +1,7 @@
 // Ipopt with the exact Hessian and with its limited-memory one. Facts this file works around (Ipopt
-// 3.11, MUMPS of Debian): two solves at once crash inside MUMPS; Initialize() would read ipopt.opt
-// from the current folder; infinity is any number beyond 1e19; a refused evaluation is `false`.
+// 3.11 of Debian): with MUMPS, which stands in where our own linear solver cannot, two solves at
+// once crash; Initialize() would read ipopt.opt from the current folder; infinity is any number
+// beyond 1e19; a refused evaluation is `false`.
 #include <IpIpoptApplication.hpp>
 #include <IpTNLP.hpp>
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <mutex>
 
 #include "nlp/adapters.hpp"
+#include "nlp/ipopt_linear_solver.hpp"
 #include "nlp/monitor.hpp"
 
 namespace stillbase::nlp {
@@ -18,9 +20,9 @@ using Ipopt::Number;
 
 // Module variables of MUMPS are shared by all its instances: one solve at a time in the process. A
 // model must therefore not run Ipopt itself.
-std::mutex& solve_mutex() {
+std::unique_lock<std::mutex> lock_of_mumps() {
   static std::mutex mutex;
-  return mutex;
+  return std::unique_lock(mutex);
 }
 
 void copy_bounds(const Eigen::VectorXd& from, Number* to) {
@@ -155,8 +157,8 @@ const char* text_of(Ipopt::ApplicationReturnStatus code) {
 }
 
 constexpr const char* kTuning =
-    "tol 1e-10, constr_viol_tol 5e-10, acceptable_iter 0, bound_relax_factor 0, "
-    "mumps_mem_percent 10";
+    "own dense linear solver (MUMPS with mumps_mem_percent 10 where there is none), tol 1e-10, "
+    "constr_viol_tol 5e-10, acceptable_iter 0, bound_relax_factor 0";
 
 class IpoptOptimizer final : public Optimizer {
  public:
@@ -172,10 +174,11 @@ class IpoptOptimizer final : public Optimizer {
   NativeOutcome solve(Monitor& monitor, const Eigen::VectorXd& start,
                       const OptimizeOptions& options) const override {
     const bool exact_hessian = info().uses_hessian && monitor.problem().has_hessian();
-    const std::lock_guard lock(solve_mutex());
+    const bool is_own = provides_linear_solver();
+    const auto lock = is_own ? std::unique_lock<std::mutex>() : lock_of_mumps();
     const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
     application->RethrowNonIpoptException(false);
-    if (!set_options(*application->Options(), options, exact_hessian)) {
+    if (!set_options(*application->Options(), options, exact_hessian, is_own)) {
       return {Ipopt::Invalid_Option, "Invalid_Option", ""};
     }
     Ipopt::ApplicationReturnStatus code = application->Initialize("");  // reads no options file
@@ -191,10 +194,12 @@ class IpoptOptimizer final : public Optimizer {
   }
 
   static bool set_options(Ipopt::OptionsList& list, const OptimizeOptions& options,
-                          bool exact_hessian) {
+                          bool exact_hessian, bool has_own_solver) {
     bool ok = list.SetIntegerValue("print_level", 0);
     ok = list.SetStringValue("sb", "yes") && ok;
-    ok = list.SetStringValue("linear_solver", "mumps") && ok;
+    ok = list.SetStringValue("linear_solver", has_own_solver ? "ma27" : "mumps") && ok;
+    // Ours scales by itself; the default for "ma27" is a routine of HSL.
+    ok = list.SetStringValue("linear_system_scaling", "none") && ok;
     ok = list.SetStringValue("hessian_approximation", exact_hessian ? "exact" : "limited-memory") &&
          ok;
     // Each iteration evaluates at least one point, so that the monitor's budget ends first.

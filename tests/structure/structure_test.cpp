@@ -83,7 +83,7 @@ std::optional<std::string> library_of(const std::string& header) {
       {std::regex("[a-z_0-9]+"), ""},
       {std::regex("(unsupported/)?Eigen/.*"), "Eigen"},
       {std::regex("nlopt\\.h(pp)?"), "NLopt"},
-      {std::regex("Ip[A-Z].*|coin.*"), "Ipopt"},
+      {std::regex("Ip[A-Z].*|HSLLoader.*|coin.*"), "Ipopt"},
       {std::regex("ompl/.*"), "OMPL"},
       {std::regex("(fcl|ccd|octomap)/.*"), "FCL"},
       {std::regex("tinyxml2?\\.h"), "tinyxml2"},
