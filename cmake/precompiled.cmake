@@ -4,7 +4,9 @@
 set(STILLBASE_PRECOMPILED <algorithm> <array> <cmath> <functional> <limits> <map> <memory> <numeric>
   <optional> <set> <stdexcept> <string> <string_view> <utility> <vector> <Eigen/Dense>
   <fmt/format.h> <stillbase/plan/plan.hpp>)
-target_precompile_headers(stillbase PRIVATE ${STILLBASE_PRECOMPILED})
+foreach(part IN ITEMS stillbase stillbase_cold)
+  target_precompile_headers(${part} PRIVATE ${STILLBASE_PRECOMPILED})
+endforeach()
 # Other options than the library's, other precompiled headers.
 file(GLOB files_with_own_options ${PROJECT_SOURCE_DIR}/src/impact/batch_two_lanes.cpp
   ${PROJECT_SOURCE_DIR}/src/impact/batch_avx*.cpp ${PROJECT_SOURCE_DIR}/src/simulation/lanes_*.cpp)
