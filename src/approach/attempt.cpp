@@ -202,8 +202,8 @@ void finish_motion(const ApproachTask& task, JointPath path, double wait, Attemp
   }
   if (const auto hit = first_hit(task, result.motion, result.target_or_null())) {
     result.hit_by_target = hit->proximity.first == kTargetName;
-    result.hopeless = result.hit_by_target && spec.base == BaseMode::Held &&
-                      is_on_base(task.problem, hit->proximity.second);
+    result.is_base_hit = result.hit_by_target && is_on_base(task.problem, hit->proximity.second);
+    result.hopeless = result.is_base_hit && spec.base == BaseMode::Held;
     result.status =
         result.hit_by_target ? ApproachStatus::HitEarly : ApproachStatus::GoalUnreachable;
     result.detail = fmt::format("{} at {:.3f} s, {:.3f} s before the contact (distance {:.4f} m)",

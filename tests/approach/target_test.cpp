@@ -145,3 +145,23 @@ TEST_CASE(
   CHECK(a.detail.find("target with antenna at 93.") == 0);
   CHECK(calls["rrt_connect"] == 1);
 }
+
+TEST_CASE("a goal is left out after a few paths on which the target touches a floating base") {
+  CaptureProblem problem = point_mass_problem(posture({-60, 30}));
+  problem.approach.base = BaseMode::Floating;
+  // Wide enough for every base pose that a path may begin from.
+  problem.obstacles = {
+      {"shield", Frame::Base, Pose{Vector3d(15, 0, 0), Eigen::Quaterniond::Identity()}, Sphere{3.5}}};
+  const Configuration goal = goal_at(posture({0, 0}));
+  const TargetMotion target = flying(Vector3d(5.5, 0, 0), Vector3d(-1, 0, 0), goal.contact_time);
+  for (const int hits : {1, 2, 5}) {
+    ApproachOptions options;
+    options.base_hits = hits;
+    std::map<std::string, long> calls;
+    const Approach a = plan_approach(problem, goal, &target, 1, {}, calls, {}, options);
+    CHECK(a.status == ApproachStatus::HitEarly);
+    INFO(a.detail);
+    CHECK(a.detail.find("target with shield") == 0);
+    CHECK(calls["rrt_connect"] == hits);
+  }
+}
