@@ -2,9 +2,8 @@
 //
 // Ipopt (3.11, as Debian builds it) takes routines of HSL's MA27 from outside, by HSLLoader.h.
 // These have the calls of MA27 and factorise densely (dense_ldl.hpp): the systems of a capture
-// problem have some tens of rows, for which MUMPS spends its time on bookkeeping.
-// They keep nothing between calls but in Ipopt's own arrays, so that several solves may run at
-// once.
+// problem have some tens of rows, for which MUMPS spends its time on bookkeeping. They keep nothing
+// between calls but in Ipopt's own arrays.
 #pragma once
 
 namespace stillbase::nlp {

@@ -1,7 +1,7 @@
 // Ipopt with the exact Hessian and with its limited-memory one. Facts this file works around (Ipopt
-// 3.11 of Debian): with MUMPS, which stands in where our own linear solver cannot, two solves at
-// once crash; Initialize() would read ipopt.opt from the current folder; infinity is any number
-// beyond 1e19; a refused evaluation is `false`.
+// 3.11 of Debian): two solves at once crash inside MUMPS, which stands in where our own linear
+// solver cannot, and without it race for a flag of Ipopt's own; Initialize() would read ipopt.opt
+// from the current folder; infinity is any number beyond 1e19; a refused evaluation is `false`.
 #include <IpIpoptApplication.hpp>
 #include <IpTNLP.hpp>
 #include <algorithm>
@@ -18,11 +18,12 @@ namespace {
 using Ipopt::Index;
 using Ipopt::Number;
 
-// Module variables of MUMPS are shared by all its instances: one solve at a time in the process. A
-// model must therefore not run Ipopt itself.
-std::unique_lock<std::mutex> lock_of_mumps() {
+// Module variables of MUMPS are shared by all its instances, and every solve writes whether Ipopt's
+// banner was printed: one solve at a time in the process. A model must therefore not run Ipopt
+// itself.
+std::mutex& solve_mutex() {
   static std::mutex mutex;
-  return std::unique_lock(mutex);
+  return mutex;
 }
 
 void copy_bounds(const Eigen::VectorXd& from, Number* to) {
@@ -174,11 +175,10 @@ class IpoptOptimizer final : public Optimizer {
   NativeOutcome solve(Monitor& monitor, const Eigen::VectorXd& start,
                       const OptimizeOptions& options) const override {
     const bool exact_hessian = info().uses_hessian && monitor.problem().has_hessian();
-    const bool is_own = provides_linear_solver();
-    const auto lock = is_own ? std::unique_lock<std::mutex>() : lock_of_mumps();
+    const std::lock_guard lock(solve_mutex());
     const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
     application->RethrowNonIpoptException(false);
-    if (!set_options(*application->Options(), options, exact_hessian, is_own)) {
+    if (!set_options(*application->Options(), options, exact_hessian)) {
       return {Ipopt::Invalid_Option, "Invalid_Option", ""};
     }
     Ipopt::ApplicationReturnStatus code = application->Initialize("");  // reads no options file
@@ -194,10 +194,10 @@ class IpoptOptimizer final : public Optimizer {
   }
 
   static bool set_options(Ipopt::OptionsList& list, const OptimizeOptions& options,
-                          bool exact_hessian, bool has_own_solver) {
+                          bool exact_hessian) {
     bool ok = list.SetIntegerValue("print_level", 0);
     ok = list.SetStringValue("sb", "yes") && ok;
-    ok = list.SetStringValue("linear_solver", has_own_solver ? "ma27" : "mumps") && ok;
+    ok = list.SetStringValue("linear_solver", provides_linear_solver() ? "ma27" : "mumps") && ok;
     // Ours scales by itself; the default for "ma27" is a routine of HSL.
     ok = list.SetStringValue("linear_system_scaling", "none") && ok;
     ok = list.SetStringValue("hessian_approximation", exact_hessian ? "exact" : "limited-memory") &&
