@@ -33,6 +33,7 @@ struct SqpOptions {
   int relaxations = 5;      ///< it, as often as the part remains whole
   double whole = 1 - 1e-6;  ///< part that counts as whole
   double step = 1e-12;      ///< length of a step that is lost in rounding
+  int lost_resets = 1;      ///< of B where a step is lost: at a kink more find nothing better
 };
 constexpr SqpOptions kSqp;
 
@@ -94,7 +95,7 @@ class Descent {
       if (watch_.is_stuck()) return Ended::Stuck;
       const Eigen::VectorXd moved = x_ - before;
       if (moved.lpNorm<Eigen::Infinity>() <= kSqp.step * (1 + x_.lpNorm<Eigen::Infinity>())) {
-        if (++resets > kSqp.resets) return Ended::StepLost;
+        if (++resets > kSqp.lost_resets) return Ended::StepLost;
         reset_curvature();
         continue;
       }
