@@ -43,7 +43,7 @@ if(NOT TARGET stillbase_proof)
   set(without_proof PATTERN "proof" EXCLUDE)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/stillbase DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  COMPONENT development FILES_MATCHING PATTERN "*.hpp" PATTERN "*.def" PATTERN "*.h" ${without_proof})
+  COMPONENT development FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" ${without_proof})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/problems/ DESTINATION ${STILLBASE_PROBLEMS_DIR} COMPONENT tool)
 # The suite names ../problems.
 install(FILES ${PROJECT_SOURCE_DIR}/bench/suite.yaml ${PROJECT_SOURCE_DIR}/bench/best_known.json

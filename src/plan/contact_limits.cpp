@@ -4,6 +4,13 @@
 
 namespace stillbase {
 
+#define STILLBASE_LEAST_VALUE(quantity, dimension, words, sentence)                       \
+  {.name = #quantity,                                                                     \
+   .has_several = false,                                                                  \
+   .is_stated = [](const CaptureProblem& p) { return p.constraints.quantity##_min > 0; }, \
+   .uncounted = words,                                                                    \
+   .loosening = "a smaller constraints." #quantity "_min"},
+
 const std::vector<ContactLimitRow>& contact_limits() {
   using Problem = CaptureProblem;
   static const std::vector<ContactLimitRow> kRows = {
@@ -33,14 +40,9 @@ const std::vector<ContactLimitRow>& contact_limits() {
            },
        .uncounted = "joint rates",
        .loosening = "a larger constraints.joint_rate_max or joint_rate_scale"},
-#define LEAST_VALUE(quantity, dimension, words, sentence)                          \
-  {.name = #quantity,                                                              \
-   .has_several = false,                                                           \
-   .is_stated = [](const Problem& p) { return p.constraints.quantity##_min > 0; }, \
-   .uncounted = words,                                                             \
-   .loosening = "a smaller constraints." #quantity "_min"},
-#include <stillbase/plan/least_values.def>
-#undef LEAST_VALUE
+      // clang-format off
+      STILLBASE_LEAST_VALUES(STILLBASE_LEAST_VALUE)
+      // clang-format on
       {.name = "clearance_",
        .has_several = true,
        .is_stated = [](const Problem& p) { return p.constraints.clearance.has_value(); },
@@ -61,6 +63,8 @@ const std::vector<ContactLimitRow>& contact_limits() {
   };
   return kRows;
 }
+
+#undef STILLBASE_LEAST_VALUE
 
 const ContactLimitRow* limit_of(const CaptureProblem& problem, const std::string& constraint) {
   for (const ContactLimitRow& row : contact_limits()) {

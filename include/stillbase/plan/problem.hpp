@@ -10,6 +10,7 @@
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/impact/joint_resistance.hpp>
+#include <stillbase/plan/least_values.hpp>
 #include <stillbase/plan/post_impact.hpp>
 #include <stillbase/plan/quantities.hpp>
 #include <stillbase/plan/user_functions.hpp>
@@ -132,9 +133,9 @@ struct ConstraintSpec {
   // Least values, 0: no bound. coupling_singular_value_min (kg m^2) is of Htilde_omegaphi,
   // jacobian_singular_value_min (m) of the generalized Jacobian with its angular rows times
   // `jacobian_length`, both of the matrix's generic rank.
-#define LEAST_VALUE(quantity, dimension, uncounted, sentence) double quantity##_min = 0;
-#include <stillbase/plan/least_values.def>
-#undef LEAST_VALUE
+#define STILLBASE_LEAST_VALUE(quantity, dimension, uncounted, sentence) double quantity##_min = 0;
+  STILLBASE_LEAST_VALUES(STILLBASE_LEAST_VALUE)
+#undef STILLBASE_LEAST_VALUE
   double jacobian_length = 1;  ///< m
   /// Kept at the contact between bodies that may not touch, m; empty: not a constraint.
   std::optional<double> clearance;

@@ -8,9 +8,11 @@ AddConstraints add_hand_position, add_station_box, add_hand_axis, add_hand_pose,
     add_case_base, add_case_coupling, add_joint_rate, add_arrival_rate, add_clearance,
     add_closing_speed, add_contact_push, add_attitude_cone, add_attitude_angle;
 
-#define LEAST_VALUE(quantity, dimension, uncounted, sentence) AddConstraints add_##quantity;
-#include <stillbase/plan/least_values.def>
-#undef LEAST_VALUE
+#define STILLBASE_LEAST_VALUE(quantity, dimension, uncounted, sentence) \
+  AddConstraints add_##quantity;
+STILLBASE_LEAST_VALUES(STILLBASE_LEAST_VALUE)
+#undef STILLBASE_LEAST_VALUE
+#define STILLBASE_LEAST_VALUE(quantity, dimension, uncounted, sentence) add_##quantity,
 
 ConstraintSet constraints_of(const CaptureModel& model) {
   static constexpr AddConstraints* kConstraints[] = {
@@ -23,9 +25,9 @@ ConstraintSet constraints_of(const CaptureModel& model) {
       add_case_coupling,  // cases G3, C2: no coupling angular momentum
       add_joint_rate,     // joint rates right after the impact
       add_arrival_rate,   // joint rates right before a contact with a hand that moves
-#define LEAST_VALUE(quantity, dimension, uncounted, sentence) add_##quantity,
-#include <stillbase/plan/least_values.def>
-#undef LEAST_VALUE
+      // clang-format off
+      STILLBASE_LEAST_VALUES(STILLBASE_LEAST_VALUE)
+      // clang-format on
       add_clearance,      // distances between bodies
       add_closing_speed,  // of hand and target
       add_contact_push,   // a sticking contact does not pull
@@ -36,5 +38,7 @@ ConstraintSet constraints_of(const CaptureModel& model) {
   for (AddConstraints* const add : kConstraints) add(model, out);
   return out;
 }
+
+#undef STILLBASE_LEAST_VALUE
 
 }  // namespace stillbase

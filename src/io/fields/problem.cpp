@@ -61,10 +61,10 @@ void constraints_fields(Table& t, CaptureProblem& problem) {
     "instead: limits of their own");
   t.not_both("joint_rate_scale", "joint_rate_max");
   const Range least{.lower = 0, .upper = 1e9};
-#define LEAST_VALUE(quantity, dimension, uncounted, sentence) \
+#define STILLBASE_LEAST_VALUE(quantity, dimension, uncounted, sentence) \
   t(#quantity "_min", Number(constraints.quantity##_min, Dimension::dimension, least), sentence);
-#include <stillbase/plan/least_values.def>
-#undef LEAST_VALUE
+  STILLBASE_LEAST_VALUES(STILLBASE_LEAST_VALUE)
+#undef STILLBASE_LEAST_VALUE
   t("jacobian_length", Number(constraints.jacobian_length, Dimension::Length, kSize),
     "converts angles into lengths there");
   t("clearance", Number(constraints.clearance, Dimension::Length, kDistance),
