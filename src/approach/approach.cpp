@@ -249,10 +249,10 @@ ApproachToAny attempt_all(std::vector<AttemptGoal>& goals, int limit, std::size_
     if (explains_more(result, failure)) failure = result;
     const bool no_path = result.way_points == 0 && (asked > 0 || attempts == 1);
     if (result.status == ApproachStatus::TimeOut || no_path) break;
-    goal.base_hits += result.is_base_hit;
     const ApproachOptions& options = goal.task.options;
     const int most_base_hits = asked > 0 ? options.base_hits_of_set : options.base_hits;
-    if (result.hopeless || goal.base_hits == most_base_hits) goal.failures = limit;
+    if (result.is_base_hit && ++goal.base_hits >= most_base_hits) result.hopeless = true;
+    if (result.hopeless) goal.failures = limit;
   }
   if (asked > 0) {
     failure.detail += fmt::format(" (going for {} goals at once)", asked);

@@ -54,6 +54,12 @@ bool is_on_base(const CaptureProblem& problem, const std::string& name) {
                      });
 }
 
+/// Whether the target at that time touches the robot where it waits for the contact.
+bool hits_waiting_robot(const ApproachTask& task, double time) {
+  const StillScene scene(task, {task.target->state(time).pose}, task.problem.approach.resolution);
+  return scene.first_hit(task.goal.phi).has_value();
+}
+
 /// Waypoints from a start to its goal by the planner of the task, or what went wrong.
 std::vector<JointVectord> plan_points(const std::vector<const AttemptGoal*>& goals,
                                       const std::vector<StillScene>& scenes, std::uint64_t seed,
@@ -202,8 +208,9 @@ void finish_motion(const ApproachTask& task, JointPath path, double wait, Attemp
   }
   if (const auto hit = first_hit(task, result.motion, result.target_or_null())) {
     result.hit_by_target = hit->proximity.first == kTargetName;
-    result.is_base_hit = result.hit_by_target && is_on_base(task.problem, hit->proximity.second);
-    result.hopeless = result.is_base_hit && spec.base == BaseMode::Held;
+    const bool is_base = result.hit_by_target && is_on_base(task.problem, hit->proximity.second);
+    result.hopeless = is_base && spec.base == BaseMode::Held;
+    result.is_base_hit = is_base && !task.has_stated_start() && hits_waiting_robot(task, hit->time);
     result.status =
         result.hit_by_target ? ApproachStatus::HitEarly : ApproachStatus::GoalUnreachable;
     result.detail = fmt::format("{} at {:.3f} s, {:.3f} s before the contact (distance {:.4f} m)",

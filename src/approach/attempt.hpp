@@ -23,7 +23,7 @@ struct AttemptGoal {
   double weight = 1;          ///< how often it is sampled, relative to the other goals
   std::size_t index = 0;      ///< among those asked for
   int failures = 0;           ///< of attempts that led to it
-  int base_hits = 0;          ///< of these, those in which the target touched the base
+  int base_hits = 0;          ///< of these, those that no longer wait avoids
 };
 
 struct AttemptResult {
@@ -33,8 +33,8 @@ struct AttemptResult {
   double motion_start = 0, motion_end = 0;  ///< s, when a path was timed
   double shortfall = 0;                     ///< TooSlow: s
   bool hit_by_target = false;
-  bool is_base_hit = false;  ///< it is the base that the target touches, or what is fixed to it
-  bool hopeless = false;     ///< that no path moves
+  bool is_base_hit = false;  ///< the base, or what is fixed to it, with or without a longer wait
+  bool hopeless = false;     ///< the base, which no path moves
   TimedMotion motion;
   std::optional<TargetMotion> target;          ///< its motion to where the hand ends
   std::optional<Configuration> end;            ///< configuration at the end, when there is a motion

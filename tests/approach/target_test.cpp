@@ -150,8 +150,8 @@ TEST_CASE("a goal is left out after a few paths on which the target touches a fl
   CaptureProblem problem = point_mass_problem(posture({-60, 30}));
   problem.approach.base = BaseMode::Floating;
   // Wide enough for every base pose that a path may begin from.
-  problem.obstacles = {
-      {"shield", Frame::Base, Pose{Vector3d(15, 0, 0), Eigen::Quaterniond::Identity()}, Sphere{3.5}}};
+  problem.obstacles = {{"shield", Frame::Base,
+                        Pose{Vector3d(15, 0, 0), Eigen::Quaterniond::Identity()}, Sphere{3.5}}};
   const Configuration goal = goal_at(posture({0, 0}));
   const TargetMotion target = flying(Vector3d(5.5, 0, 0), Vector3d(-1, 0, 0), goal.contact_time);
   for (const int hits : {1, 2, 5}) {
@@ -164,4 +164,22 @@ TEST_CASE("a goal is left out after a few paths on which the target touches a fl
     CHECK(a.detail.find("target with shield") == 0);
     CHECK(calls["rrt_connect"] == hits);
   }
+}
+
+TEST_CASE("a longer wait avoids a target that touches a floating base on its way") {
+  CaptureProblem problem = point_mass_problem(posture({-60, 30}));
+  problem.approach.base = BaseMode::Floating;
+  // Beside the line of flight at the end of the path, on it while the path turns the base.
+  problem.obstacles = {{"boom", Frame::Base,
+                        Pose{Vector3d(13, -1.75, 0), Eigen::Quaterniond::Identity()},
+                        Sphere{0.15}}};
+  const Configuration goal = goal_at(posture({0, 0}));
+  const TargetMotion target = flying(Vector3d(5.5, 0, 0), Vector3d(-1, 0, 0), goal.contact_time);
+  ApproachOptions options;
+  options.base_hits = 1;
+  std::map<std::string, long> calls;
+  const Approach a = plan_approach(problem, goal, &target, 1, {}, calls, {}, options);
+  INFO(a.detail);
+  CHECK(a.status == ApproachStatus::Found);
+  CHECK(calls["rrt_connect"] > 1);
 }

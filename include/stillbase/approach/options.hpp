@@ -157,11 +157,11 @@ struct ArrivalOptions {
 };
 
 struct ApproachOptions {
-  int attempts = 8;           ///< at one goal
-  int attempts_of_set = 2;    ///< at one of several goals, before it is left out
-  int base_hits = 2;          ///< attempts at a goal that end with the target touching the base,
-                              ///< before it is left out: what a path moves of the base is little
-  int base_hits_of_set = 1;   ///< the same of one of several goals
+  int attempts = 8;          ///< at one goal
+  int attempts_of_set = 2;   ///< at one of several goals, before it is left out
+  int base_hits = 2;         ///< attempts at a goal in which the target touches the base, and would
+                             ///< touch the robot if it waited from then on, before it is left out
+  int base_hits_of_set = 1;  ///< the same of one of several goals
   double limit_slack = 1e-6;  ///< what optimizers leave outside a joint limit
   int swept_poses = 8;        ///< target poses during a motion with a collision, then avoided
   int swept_effort = 5;       ///< the planner's iterations are divided by this around them
