@@ -73,7 +73,7 @@ void equilibrate(DenseLdl& matrix) {
 
 }  // namespace
 
-LdlInertia factorize(DenseLdl& matrix) {
+LdlInertia factorise(DenseLdl& matrix) {
   SquareMap& A = matrix.A;
   const Eigen::Index n = A.rows();
   LdlInertia out;

@@ -10,7 +10,7 @@
 
 namespace stillbase::nlp {
 
-/// What an owner of the memory has of the factors; all are written by factorize().
+/// What an owner of the memory has of the factors; all are written by factorise().
 struct DenseLdl {
   Eigen::Map<Eigen::MatrixXd> A;      ///< (n x n) both triangles on entry; L and D afterwards
   Eigen::Map<Eigen::VectorXd> scale;  ///< (n)
@@ -24,7 +24,7 @@ struct LdlInertia {
 };
 
 /// scale A scale = P' L D L' P.
-LdlInertia factorize(DenseLdl& matrix);
+LdlInertia factorise(DenseLdl& matrix);
 
 /// A x = b, from factors.
 /// @param b (n) replaced by x

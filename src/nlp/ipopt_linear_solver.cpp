@@ -32,9 +32,9 @@ void analyse(ipfint* n, ipfint* entries, const ipfint*, const ipfint*, ipfint*, 
   *steps = 1;
 }
 
-void factorise(ipfint* n, ipfint* entries, const ipfint* rows, const ipfint* columns, double* a,
-               ipfint* length, ipfint* order, ipfint*, ipfint*, ipfint*, ipfint* largest_front,
-               ipfint*, ipfint*, double*, ipfint* info) {
+void factorise_entries(ipfint* n, ipfint* entries, const ipfint* rows, const ipfint* columns,
+                       double* a, ipfint* length, ipfint* order, ipfint*, ipfint*, ipfint*,
+                       ipfint* largest_front, ipfint*, ipfint*, double*, ipfint* info) {
   std::fill_n(info, 20, 0);
   *largest_front = *n;
   DenseLdl matrix = factors_in(*n, a, *length, order);
@@ -44,7 +44,7 @@ void factorise(ipfint* n, ipfint* entries, const ipfint* rows, const ipfint* col
     matrix.A(i, j) += a[k];
     if (i != j) matrix.A(j, i) += a[k];
   }
-  const LdlInertia inertia = factorize(matrix);
+  const LdlInertia inertia = nlp::factorise(matrix);
   if (inertia.is_singular) info[kFlag] = kSingular;
   info[kNegativeEigenvalues] = inertia.negative;
 }
@@ -60,7 +60,7 @@ void solve_with_factors(ipfint* n, double* a, ipfint* length, ipfint* order, ipf
 bool provides_linear_solver() {
   static const bool ours = [] {
     if (LSL_isMA27available() != 0) return false;
-    LSL_setMA27(analyse, factorise, solve_with_factors, set_defaults);
+    LSL_setMA27(analyse, factorise_entries, solve_with_factors, set_defaults);
     return true;
   }();
   return ours;

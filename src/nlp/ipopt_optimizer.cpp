@@ -157,9 +157,13 @@ const char* text_of(Ipopt::ApplicationReturnStatus code) {
   return "unknown";
 }
 
+// Of a linear system: variables, and a slack and a multiplier per constraint. Beyond it MUMPS,
+// which knows zeros, takes less time than a dense factorisation.
+constexpr Eigen::Index kMostUnknowns = 160;
+
 constexpr const char* kTuning =
-    "own dense linear solver (MUMPS with mumps_mem_percent 10 where there is none), tol 1e-10, "
-    "constr_viol_tol 5e-10, acceptable_iter 0, bound_relax_factor 0";
+    "own dense linear solver up to 160 unknowns, tol 1e-10, constr_viol_tol 5e-10, acceptable_iter "
+    "0, bound_relax_factor 0, mumps_mem_percent 10";
 
 class IpoptOptimizer final : public Optimizer {
  public:
@@ -178,7 +182,8 @@ class IpoptOptimizer final : public Optimizer {
     const std::lock_guard lock(solve_mutex());
     const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
     application->RethrowNonIpoptException(false);
-    if (!set_options(*application->Options(), options, exact_hessian)) {
+    const Eigen::Index unknowns = start.size() + 2 * monitor.constraint_lower().size();
+    if (!set_options(*application->Options(), options, exact_hessian, unknowns)) {
       return {Ipopt::Invalid_Option, "Invalid_Option", ""};
     }
     Ipopt::ApplicationReturnStatus code = application->Initialize("");  // reads no options file
@@ -194,17 +199,23 @@ class IpoptOptimizer final : public Optimizer {
   }
 
   static bool set_options(Ipopt::OptionsList& list, const OptimizeOptions& options,
-                          bool exact_hessian) {
+                          bool exact_hessian, Eigen::Index unknowns) {
     bool ok = list.SetIntegerValue("print_level", 0);
     ok = list.SetStringValue("sb", "yes") && ok;
-    ok = list.SetStringValue("linear_solver", provides_linear_solver() ? "ma27" : "mumps") && ok;
-    // Ours scales by itself; the default for "ma27" is a routine of HSL.
-    ok = list.SetStringValue("linear_system_scaling", "none") && ok;
     ok = list.SetStringValue("hessian_approximation", exact_hessian ? "exact" : "limited-memory") &&
          ok;
     // Each iteration evaluates at least one point, so that the monitor's budget ends first.
     ok = list.SetIntegerValue("max_iter", std::max(1, options.max_evaluations)) && ok;
     if (options.library_defaults) return ok;
+    if (unknowns <= kMostUnknowns && provides_linear_solver()) {
+      ok = list.SetStringValue("linear_solver", "ma27") && ok;
+      // Ours scales by itself, bounds its pivots by itself and asks for all the memory that it
+      // uses.
+      ok = list.SetStringValue("linear_system_scaling", "none") && ok;
+      ok = list.SetNumericValue("ma27_pivtol", 1e-8) && ok;
+      ok = list.SetNumericValue("ma27_pivtolmax", 1e-8) && ok;
+      ok = list.SetNumericValue("ma27_la_init_factor", 1.0) && ok;
+    }
     // Room beyond MUMPS' estimate, in percent; default 1000, which a small problem spends more time
     // on allocating than on its numbers. Where it is too little Ipopt doubles it and repeats.
     ok = list.SetIntegerValue("mumps_mem_percent", 10) && ok;

@@ -22,7 +22,7 @@ struct Factored {
         scale(n),
         order(n),
         factors{{entries.data(), n, n}, {scale.data(), n}, {order.data(), n}},
-        inertia(factorize(factors)) {}
+        inertia(factorise(factors)) {}
   Factored(const Factored&) = delete;
 
   Eigen::VectorXd solution(Eigen::VectorXd b) const {
