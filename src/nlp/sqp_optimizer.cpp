@@ -79,7 +79,7 @@ class Descent {
     watch_.look_at(worst_violation());
     reset_curvature();
     penalties_.setZero();
-    int resets = 0;
+    int resets = 0, lost = 0;
     while (true) {
       const double slope = find_step() ? merit_slope() : 0;
       if (!(slope < 0)) {
@@ -95,7 +95,7 @@ class Descent {
       if (watch_.is_stuck()) return Ended::Stuck;
       const Eigen::VectorXd moved = x_ - before;
       if (moved.lpNorm<Eigen::Infinity>() <= kSqp.step * (1 + x_.lpNorm<Eigen::Infinity>())) {
-        if (++resets > kSqp.lost_resets) return Ended::StepLost;
+        if (++lost > kSqp.lost_resets) return Ended::StepLost;
         reset_curvature();
         continue;
       }
