@@ -33,7 +33,6 @@ struct SqpOptions {
   int relaxations = 5;      ///< it, as often as the part remains whole
   double whole = 1 - 1e-6;  ///< part that counts as whole
   double step = 1e-12;      ///< length of a step that is lost in rounding
-  int lost_resets = 1;      ///< of B where a step is lost: at a kink more find nothing better
 };
 constexpr SqpOptions kSqp;
 
@@ -79,7 +78,7 @@ class Descent {
     watch_.look_at(worst_violation());
     reset_curvature();
     penalties_.setZero();
-    int resets = 0, lost = 0;
+    int resets = 0;
     while (true) {
       const double slope = find_step() ? merit_slope() : 0;
       if (!(slope < 0)) {
@@ -95,7 +94,7 @@ class Descent {
       if (watch_.is_stuck()) return Ended::Stuck;
       const Eigen::VectorXd moved = x_ - before;
       if (moved.lpNorm<Eigen::Infinity>() <= kSqp.step * (1 + x_.lpNorm<Eigen::Infinity>())) {
-        if (++lost > kSqp.lost_resets) return Ended::StepLost;
+        if (++resets > kSqp.resets) return Ended::StepLost;
         reset_curvature();
         continue;
       }
