@@ -1,6 +1,6 @@
 // Ipopt with the exact Hessian and with its limited-memory one. Facts this file works around (Ipopt
 // 3.11 of Debian): two solves at once crash inside MUMPS, which stands in where our own linear
-// solver cannot, and without it race for a flag of Ipopt's own; Initialize() would read ipopt.opt
+// solver does not, and without it race for a flag of Ipopt's own; Initialize() would read ipopt.opt
 // from the current folder; infinity is any number beyond 1e19; a refused evaluation is `false`.
 #include <IpIpoptApplication.hpp>
 #include <IpTNLP.hpp>
@@ -207,8 +207,9 @@ class IpoptOptimizer final : public Optimizer {
     // Each iteration evaluates at least one point, so that the monitor's budget ends first.
     ok = list.SetIntegerValue("max_iter", std::max(1, options.max_evaluations)) && ok;
     if (options.library_defaults) return ok;
-    if (unknowns <= kMostUnknowns && provides_linear_solver()) {
-      ok = list.SetStringValue("linear_solver", "ma27") && ok;
+    const bool is_own = unknowns <= kMostUnknowns && provides_linear_solver();
+    ok = list.SetStringValue("linear_solver", is_own ? "ma27" : "mumps") && ok;
+    if (is_own) {
       // Ours scales by itself, bounds its pivots by itself and asks for all the memory that it
       // uses.
       ok = list.SetStringValue("linear_system_scaling", "none") && ok;
