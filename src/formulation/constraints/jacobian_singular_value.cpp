@@ -24,31 +24,18 @@ void add_jacobian_singular_value(const CaptureModel& model, ConstraintSet& out) 
   const double least = model.problem.constraints.jacobian_singular_value_min;
   const double length = model.problem.constraints.jacobian_length;
   if (!(least > 0)) return;
-  const int rank = generic_rank(model, [&](const PostureImpact<double>& posture) {
-    return scaled_generalized_jacobian<double>(posture, length);
-  });
-  if (rank == 0) return;
-  // Least singular value of that matrix, of its generic rank.
-  const auto smallest = [rank, length]<class S>(const ConstraintPoint<S>& at,
-                                                ScalarGradient<S>* gradient) -> S {
-    const SingularTriple<S> triple =
-        singular_triple<S>(scaled_generalized_jacobian<S>(at.posture, length), rank);
-    if (gradient != nullptr) {  // d sigma = u' dA v
-      Vector6<S> u = triple.u;
-      u.template tail<3>() *= S(length);
-      gradient->phi = generalized_jacobian_gradient<S>(at.model.problem.robot, at.posture,
-                                                       JointVector<S>(triple.v), u);
-    }
-    return triple.sigma;
+  const auto matrix_at = [length]<class S>(const PostureImpact<S>& posture) {
+    return scaled_generalized_jacobian<S>(posture, length);
   };
-  add_constraint(out.rows,
-                 {.name = "jacobian_singular_value",
-                  .unit = "m",
-                  .lower = least,
-                  .upper = kInfinity,
-                  .needs_inertia = true,
-                  .is_limit = true},
-                 smallest);
+  const auto gradient_of = [length]<class S>(const ConstraintPoint<S>& at, const JointVector<S>& v,
+                                             Vector6<S> u) {
+    u.template tail<3>() *= S(length);
+    return generalized_jacobian_gradient<S>(at.model.problem.robot, at.posture, v, u);
+  };
+  add_least_singular_value(
+      model, out,
+      {.name = "jacobian_singular_value", .unit = "m", .lower = least, .upper = kInfinity},
+      matrix_at, gradient_of);
 }
 
 }  // namespace stillbase

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 
 #include <stillbase/core/linear_algebra.hpp>
 
@@ -68,6 +69,30 @@ SingularTriple<S> singular_triple(const Eigen::Matrix<S, Eigen::Dynamic, Eigen::
     out.v = A.transpose() * out.u / out.sigma;
   }
   return out;
+}
+
+/// Adds a lower bound of the least singular value of a matrix, of its generic
+/// rank.
+/// @param matrix_at []<class S>(const PostureImpact<S>&) -> matrix
+/// @param gradient_of []<class S>(const ConstraintPoint<S>&, v, u) -> gradient of u' A v over phi
+template <class MatrixAt, class GradientOf>
+void add_least_singular_value(const CaptureModel& model, ConstraintSet& out, ConstraintLabel label,
+                              MatrixAt matrix_at, GradientOf gradient_of) {
+  const int rank = generic_rank(model, [&](const PostureImpact<double>& posture) {
+    return Eigen::MatrixXd(matrix_at(posture));
+  });
+  if (rank == 0) return;
+  label.needs_inertia = true;
+  label.is_limit = true;
+  const auto least = [rank, matrix_at, gradient_of]<class S>(const ConstraintPoint<S>& at,
+                                                             ScalarGradient<S>* gradient) -> S {
+    const SingularTriple<S> triple = singular_triple<S>(matrix_at(at.posture), rank);
+    if (gradient != nullptr) {  // d sigma = u' dA v
+      gradient->phi = gradient_of.template operator()<S>(at, triple.v, triple.u);
+    }
+    return triple.sigma;
+  };
+  add_constraint(out.rows, std::move(label), least);
 }
 
 }  // namespace stillbase
