@@ -116,6 +116,7 @@ std::vector<JointVectord> plan_points(const std::vector<const AttemptGoal*>& goa
 JointPath plan_path(const std::vector<const AttemptGoal*>& goals, std::uint64_t seed,
                     const StopCondition& stop, AttemptResult& result, std::size_t& reached) {
   std::vector<StillScene> scenes;
+  scenes.reserve(goals.size());
   for (const AttemptGoal* goal : goals) scenes.push_back(scene_of(*goal));
   const ApproachTask& first = goals.front()->task;
   PhaseClock* const clock = first.options.clock;

@@ -19,7 +19,7 @@ constexpr int kFlag = 0, kFactorLength = 4, kIntegerLength = 5, kNegativeEigenva
 /// The factors stand behind the entries, which Ipopt writes to the front: at the end of the array.
 DenseLdl factors_in(ipfint n, double* a, ipfint length, ipfint* order) {
   double* const scale = a + length - n;
-  return {{scale - n * n, n, n}, {scale, n}, {order, n}};
+  return {{scale - Eigen::Index{n} * n, n, n}, {scale, n}, {order, n}};
 }
 
 void set_defaults(ipfint*, double*) {}

@@ -8,7 +8,7 @@ namespace stillbase {
   {.name = #quantity,                                                                     \
    .has_several = false,                                                                  \
    .is_stated = [](const CaptureProblem& p) { return p.constraints.quantity##_min > 0; }, \
-   .uncounted = words,                                                                    \
+   .uncounted = (words),                                                                  \
    .loosening = "a smaller constraints." #quantity "_min"},
 
 const std::vector<ContactLimitRow>& contact_limits() {
