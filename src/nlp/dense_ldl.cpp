@@ -21,11 +21,19 @@ struct ColumnMaximum {
 };
 
 ColumnMaximum largest_beside_diagonal(const SquareMap& A, Eigen::Index k, Eigen::Index column) {
+  const double* const entries = A.col(column).data();
   ColumnMaximum out{0, column};
-  for (Eigen::Index i = k; i < A.rows(); ++i) {
-    const double size = std::abs(A(i, column));
-    if (i != column && size > out.value) out = {size, i};
-  }
+  // The value first, without its place: that takes several entries at a time.
+  const auto look_at = [&](Eigen::Index begin, Eigen::Index end) {
+    if (begin == end) return;
+    const double largest = A.col(column).segment(begin, end - begin).cwiseAbs().maxCoeff();
+    if (!(largest > out.value)) return;
+    Eigen::Index row = begin;
+    while (row + 1 < end && std::abs(entries[row]) < largest) ++row;
+    out = {largest, row};
+  };
+  look_at(k, column);
+  look_at(column + 1, A.rows());
   return out;
 }
 
@@ -93,7 +101,9 @@ LdlInertia factorise(DenseLdl& matrix) {
       if (!(std::abs(d) > tiny)) return {.is_singular = true};
       out.negative += d < 0;
       const double inverse = 1 / d;
-      for (Eigen::Index j = 0; j < rest; ++j) trailing.col(j) -= L.col(0) * (L(j, 0) * inverse);
+      for (Eigen::Index j = 0; j < rest; ++j) {
+        if (L(j, 0) != 0) trailing.col(j) -= L.col(0) * (L(j, 0) * inverse);
+      }
       L *= inverse;
     } else {
       matrix.order.segment(k, 2) = -matrix.order.segment(k, 2).array() - 1;
@@ -104,6 +114,7 @@ LdlInertia factorise(DenseLdl& matrix) {
       const double a = A(k, k) / off, c = A(k + 1, k + 1) / off, scale = 1 / ((a * c - 1) * off);
       for (Eigen::Index j = 0; j < rest; ++j) {
         const double u = L(j, 0), v = L(j, 1);
+        if (u == 0 && v == 0) continue;
         trailing.col(j) -= L.col(0) * (scale * (c * u - v)) + L.col(1) * (scale * (a * v - u));
       }
       for (Eigen::Index j = 0; j < rest; ++j) {

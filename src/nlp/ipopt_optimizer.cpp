@@ -180,7 +180,10 @@ class IpoptOptimizer final : public Optimizer {
                       const OptimizeOptions& options) const override {
     const bool exact_hessian = info().uses_hessian && monitor.problem().has_hessian();
     const std::lock_guard lock(solve_mutex());
-    const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
+    // Registers all options once: a twentieth of the solve of a small problem.
+    static const Ipopt::SmartPtr<Ipopt::IpoptApplication> prototype =
+        new Ipopt::IpoptApplication(false);
+    const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = prototype->clone();
     application->RethrowNonIpoptException(false);
     const Eigen::Index unknowns = start.size() + 2 * monitor.constraint_lower().size();
     if (!set_options(*application->Options(), options, exact_hessian, unknowns)) {
