@@ -1,4 +1,6 @@
 // Exact second derivatives: the gradient's own lines, differentiated forwards along each variable.
+#include <algorithm>
+
 #include "formulation/formulation_parts.hpp"
 #include "formulation/objectives/jump_objective_kernel.hpp"
 
@@ -40,12 +42,15 @@ void Formulation::scenario_hessian(const Eigen::VectorXd& x, const std::vector<S
   const Eigen::Index size = x.size();
   VectorX<Tangent> at = x.cast<Tangent>();
   out.resize(size, size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    at[i].d = 1;
+  for (Eigen::Index first = 0; first < size; first += Tangent::kDirections) {
+    const Eigen::Index directions = std::min<Eigen::Index>(Tangent::kDirections, size - first);
+    for (Eigen::Index k = 0; k < directions; ++k) at[first + k].set_derivative(1, k);
     const VectorX<Tangent> gradient =
         parts_->lagrangian_gradient(at, scenarios, weights, multipliers);
-    at[i].d = 0;
-    for (Eigen::Index j = 0; j < size; ++j) out(j, i) = gradient[j].d;
+    for (Eigen::Index k = 0; k < directions; ++k) {
+      at[first + k].set_derivative(0, k);
+      for (Eigen::Index j = 0; j < size; ++j) out(j, first + k) = gradient[j].derivative(k);
+    }
   }
   out = ((out + out.transpose()) / 2).eval();  // equal but for rounding
 }

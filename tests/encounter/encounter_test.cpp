@@ -129,7 +129,7 @@ TEST_CASE("an encounter on Tangent has the derivatives that differences show") {
 
     Matrix3<Tangent> R = R_NB.cast<Tangent>();
     const Matrix3d R_rate = R_NB * skew<double>(turn);
-    for (Eigen::Index k = 0; k < 9; ++k) R.data()[k].d = R_rate.data()[k];
+    for (Eigen::Index k = 0; k < 9; ++k) R.data()[k].set_derivative(R_rate.data()[k]);
     const Tangent time(at.contact_time, time_rate);
     const auto contact = contact_kinematics<Tangent>(model, R, time);
     const auto found = encounter_along<Tangent>(model, contact, scenario);
@@ -137,13 +137,13 @@ TEST_CASE("an encounter on Tangent has the derivatives that differences show") {
       for (Eigen::Index k = 0; k < value.size(); ++k) {
         const double slope = (a.data()[k] - b.data()[k]) / (2 * kStep);
         CHECK(value.data()[k].v == Approx((a.data()[k] + b.data()[k]) / 2).epsilon(0).margin(1e-9));
-        CHECK(value.data()[k].d == Approx(slope).epsilon(1e-7).margin(1e-9));
+        CHECK(value.data()[k].derivative() == Approx(slope).epsilon(1e-7).margin(1e-9));
       }
     };
     check(found.F, ahead.F, behind.F);
     check(found.contact.point, ahead.contact.point, behind.contact.point);
     check(found.contact.omega, ahead.contact.omega, behind.contact.omega);
-    CHECK(found.closing_speed.d ==
+    CHECK(found.closing_speed.derivative() ==
           Approx((ahead.closing_speed - behind.closing_speed) / (2 * kStep))
               .epsilon(1e-7)
               .margin(1e-9));
@@ -165,16 +165,16 @@ TEST_CASE("rates of an encounter are its derivatives with respect to the contact
         model, Matrix3<Tangent>(attitude(at).cast<Tangent>()), Tangent(at.contact_time, 1));
     const auto encounter = encounter_along<Tangent>(model, exact, scenario);
     for (Eigen::Index k = 0; k < 3; ++k) {
-      CHECK(rates.point[k] == Approx(exact.point[k].d).epsilon(0).margin(1e-13));
-      CHECK(rates.omega[k] == Approx(exact.omega[k].d).epsilon(0).margin(1e-13));
+      CHECK(rates.point[k] == Approx(exact.point[k].derivative()).epsilon(0).margin(1e-13));
+      CHECK(rates.omega[k] == Approx(exact.omega[k].derivative()).epsilon(0).margin(1e-13));
     }
     // R_EB' = R_EB skew(omega_EB).
     const Matrix3d turn = contact.R_EB * skew<double>(rates.omega_EB);
     for (Eigen::Index k = 0; k < 9; ++k) {
-      CHECK(turn.data()[k] == Approx(exact.R_EB.data()[k].d).epsilon(0).margin(1e-13));
+      CHECK(turn.data()[k] == Approx(exact.R_EB.data()[k].derivative()).epsilon(0).margin(1e-13));
     }
     CHECK(closing_speed_rate<double>(model, contact, rates, scenario) ==
-          Approx(encounter.closing_speed.d).epsilon(0).margin(1e-13));
+          Approx(encounter.closing_speed.derivative()).epsilon(0).margin(1e-13));
   }
 }
 

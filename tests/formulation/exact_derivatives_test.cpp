@@ -119,23 +119,23 @@ TEST_CASE("gradients of every row, term and scenario agree with automatic differ
     Eigen::MatrixXd gradients(values.size(), x.size()), jacobian(constraints.size(), x.size());
     VectorX<Tangent> along = x.cast<Tangent>();
     for (Eigen::Index i = 0; i < x.size(); ++i) {
-      along[i].d = 1;
+      along[i].set_derivative(1);
       const auto at = model.place<Tangent>(along);
       for (std::size_t k = 0; k < scenarios.size(); ++k) {
         const auto posture = model.posture(at, scenarios[k]);
         const Tangent f = parts.jump.objective(posture, model.impact(at, posture, scenarios[k]),
                                                parts.objective_unit);
         values[static_cast<Eigen::Index>(k)] = f.v;
-        gradients(static_cast<Eigen::Index>(k), i) = f.d;
+        gradients(static_cast<Eigen::Index>(k), i) = f.derivative();
       }
       const auto posture = model.posture(at);
       const auto impact = model.impact(at, posture, model.nominal);
       for (std::size_t k = 0; k < rows.size(); ++k) {
         const Tangent g = rows[k]->value({model, at, posture, impact});
         constraints[static_cast<Eigen::Index>(k)] = g.v;
-        jacobian(static_cast<Eigen::Index>(k), i) = g.d;
+        jacobian(static_cast<Eigen::Index>(k), i) = g.derivative();
       }
-      along[i].d = 0;
+      along[i].set_derivative(0);
     }
     for (Eigen::Index k = 0; k < values.size(); ++k) {
       INFO("contact law " << static_cast<int>(law) << ", trial " << trial << ", scenario " << k);

@@ -71,15 +71,16 @@ TEST_CASE("objective and rows of a moving hand have the gradient of automatic di
     Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(rows.size()), x.size());
     VectorX<Tangent> along = x.cast<Tangent>();
     for (Eigen::Index i = 0; i < x.size(); ++i) {
-      along[i].d = 1;
+      along[i].set_derivative(1);
       const auto at = model.place<Tangent>(along);
       const auto posture = model.posture(at);
       const auto impact = model.impact(at, posture, model.nominal);
-      gradient[i] = parts.jump.objective(posture, impact, parts.objective_unit).d;
+      gradient[i] = parts.jump.objective(posture, impact, parts.objective_unit).derivative();
       for (std::size_t k = 0; k < rows.size(); ++k) {
-        jacobian(static_cast<Eigen::Index>(k), i) = rows[k]->value({model, at, posture, impact}).d;
+        jacobian(static_cast<Eigen::Index>(k), i) =
+            rows[k]->value({model, at, posture, impact}).derivative();
       }
-      along[i].d = 0;
+      along[i].set_derivative(0);
     }
     CHECK(relative(here.gradient, gradient) < 1e-9);
     int rates = 0;

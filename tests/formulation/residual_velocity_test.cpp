@@ -311,7 +311,7 @@ void check_derivatives(CaptureProblem problem, Source source, int point, const A
                                Eigen::VectorXd::Zero(formulation.num_constraints()), hessian);
   VectorX<Tangent> along = x.cast<Tangent>();
   for (Eigen::Index i = 0; i < x.size(); ++i) {
-    along[i].d = 1;
+    along[i].set_derivative(1);
     const auto at = model.place<Tangent>(along);
     const auto posture = model.posture(at);
     for (std::size_t k = 0; k < scenarios.size(); ++k) {
@@ -321,10 +321,10 @@ void check_derivatives(CaptureProblem problem, Source source, int point, const A
       INFO("source " << static_cast<int>(source) << ", point " << point << ", scenario " << k
                      << ", variable " << i);
       CHECK(here.values[row] == Approx(f.v).epsilon(same.value));
-      CHECK(std::abs(here.gradients(row, i) - f.d) <
+      CHECK(std::abs(here.gradients(row, i) - f.derivative()) <
             same.gradient * (1 + here.gradients.row(row).cwiseAbs().maxCoeff()));
     }
-    along[i].d = 0;
+    along[i].set_derivative(0);
     const double h = 1e-5;
     const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(x.size(), i);
     const Eigen::VectorXd column = (mean_gradient(x + step) - mean_gradient(x - step)) / (2 * h);
