@@ -47,6 +47,9 @@ double effort_used(const CaptureProblem& problem, const JointPath& path,
 }
 
 void slow_for_effort(const CaptureProblem& problem, JointPath& path, const EffortOptions& options) {
+  EffortOptions coarse = options;
+  coarse.checks_per_segment = 2;
+  if (effort_used(problem, path, coarse) < options.surely_usable * options.usable) return;
   const double used = effort_used(problem, path, options);
   if (used > options.usable) stretch(path, std::sqrt(used / options.usable));
 }

@@ -48,6 +48,9 @@ struct TimeLawOptions {
 /// Joint torques along a motion.
 struct EffortOptions {
   int checks_per_segment = 8;
+  /// A path whose torques at the ends and middles of its segments stay below this part of what is
+  /// usable is not looked at more closely before it is followed: torques hardly change in between.
+  double surely_usable = 0.5;
   double usable = 0.99;  ///< part of the limits: the torque may be higher between two checks
 };
 
