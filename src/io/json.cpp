@@ -61,7 +61,10 @@ struct Layout {
   bool sorts_keys = false;
 };
 
-void add_flat(const Json& json, const Layout& layout, std::string& out) {
+/// Appends the document on one line.
+/// @param most length of `out` beyond which the rest may be left out
+void add_flat(const Json& json, const Layout& layout, std::string& out,
+              std::size_t most = std::string::npos) {
   switch (json.kind()) {
     case Json::Kind::Null:
       out += "null";
@@ -85,20 +88,22 @@ void add_flat(const Json& json, const Layout& layout, std::string& out) {
     case Json::Kind::Object:
       break;
   }
-  std::vector<std::size_t> order(json.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::size_t> order;
   if (layout.sorts_keys && json.is_object()) {
+    order.resize(json.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&json](std::size_t a, std::size_t b) { return json.keys()[a] < json.keys()[b]; });
   }
   out += json.is_array() ? '[' : '{';
-  for (std::size_t i = 0; i < order.size(); ++i) {
+  for (std::size_t i = 0; i < json.size() && out.size() <= most; ++i) {
+    const std::size_t place = order.empty() ? i : order[i];
     if (i > 0) out += layout.comma;
     if (json.is_object()) {
-      add_text(json.keys()[order[i]], out);
+      add_text(json.keys()[place], out);
       out += layout.colon;
     }
-    add_flat(json.at(order[i]), layout, out);
+    add_flat(json.at(place), layout, out, most);
   }
   out += json.is_array() ? ']' : '}';
 }
@@ -107,12 +112,13 @@ void add_pretty(const Json& json, std::size_t depth, std::string& out) {
   constexpr Layout kSpaced{", ", ": "};
   constexpr std::size_t kLineLength = 100;
   const auto is_plain = [](const Json& value) { return !value.is_structured(); };
-  std::string flat;
-  add_flat(json, kSpaced, flat);
   const bool is_list = json.is_array() && std::all_of(json.begin(), json.end(), is_plain);
-  if (!json.is_structured() || is_list || flat.size() + 2 * depth <= kLineLength) {
-    out += flat;
-    return;
+  if (!json.is_structured() || is_list) return add_flat(json, kSpaced, out);
+  if (2 * depth < kLineLength) {
+    const std::size_t begin = out.size(), most = begin + kLineLength - 2 * depth;
+    add_flat(json, kSpaced, out, most);
+    if (out.size() <= most) return;
+    out.resize(begin);
   }
   const std::string indent(2 * (depth + 1), ' ');
   out += json.is_array() ? "[\n" : "{\n";
@@ -231,6 +237,7 @@ bool Json::operator==(const Json& other) const {
 
 Json array_json(const Eigen::Ref<const Eigen::VectorXd>& v) {
   Json array = Json::array();
+  array.reserve(static_cast<std::size_t>(v.size()));
   for (const double x : v) array.push_back(x);
   return array;
 }

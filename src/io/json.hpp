@@ -55,6 +55,7 @@ class Json {
   Json(std::initializer_list<Json> list);
   template <class T>
   Json(const std::vector<T>& list) : kind_(Kind::Array) {
+    items_.reserve(list.size());
     for (const T& x : list) items_.emplace_back(x);
   }
 
@@ -81,6 +82,7 @@ class Json {
   Json& back() { return items_.back(); }
   /// Makes an array of a null.
   void push_back(Json x);
+  void reserve(std::size_t size) { items_.reserve(size); }
 
   const std::vector<std::string>& keys() const {
     return keys_;
