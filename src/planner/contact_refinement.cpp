@@ -28,9 +28,14 @@ ContactRefinement::ContactRefinement(const CaptureProblem& problem, const Eigen:
       certificate_(certificate),
       stop_(stop),
       options_(options),
-      formulation_(problem),
-      best_{{candidate.configuration.base, x}} {
-  formulation_.give_up_simulations_at(stop);
+      best_{{candidate.configuration.base, x}} {}
+
+const Formulation& ContactRefinement::formulation() {
+  if (formulation_ == nullptr) {
+    formulation_ = std::make_unique<Formulation>(problem_);
+    formulation_->give_up_simulations_at(stop_);
+  }
+  return *formulation_;
 }
 
 ContactSolver ContactRefinement::solver() {
@@ -40,7 +45,7 @@ ContactSolver ContactRefinement::solver() {
     return near_posture(phi, how);
   };
   solver.measure = [this](const Configuration& configuration) {
-    return Measure(problem_, formulation_).reported(formulation_.variables(configuration));
+    return Measure(problem_, formulation()).reported(formulation().variables(configuration));
   };
   return solver;
 }
@@ -96,27 +101,28 @@ std::optional<Configuration> ContactRefinement::at_base(const Pose& base, Contac
 // The variables begin with the free joints, in their order.
 std::optional<Configuration> ContactRefinement::near_posture(const JointVectord& phi,
                                                              ContactSolve how) {
+  const Formulation& at_contact = formulation();
   Eigen::VectorXd x = best_.front().x;
   Eigen::Index row = 0;
   for (int k = 0; k < problem_.robot.n(); ++k) {
     if (problem_.variables.joints[static_cast<std::size_t>(k)]) x[row++] = phi[k];
   }
   ProjectionResult solved =
-      project_onto_constraints(formulation_, x, false, options_.projection_steps);
+      project_onto_constraints(at_contact, x, false, options_.projection_steps);
   if (how == ContactSolve::Best && problem_.measure.kind != RiskMeasure::Nominal) {
-    solved = optimum(problem_, formulation_, solved.x);
+    solved = optimum(problem_, at_contact, solved.x);
   } else if (how == ContactSolve::Best) {
     // Where the objective can vanish its zeros form a continuum: the nearest one is taken.
     const ProjectionResult zero =
-        project_onto_constraints(formulation_, solved.x, true, options_.projection_steps);
+        project_onto_constraints(at_contact, solved.x, true, options_.projection_steps);
     Eigen::VectorXd y;
     Eigen::MatrixXd slope;
-    if (zero.violation <= kFeasibilityTolerance) formulation_.objective_vector(zero.x, y, slope);
+    if (zero.violation <= kFeasibilityTolerance) at_contact.objective_vector(zero.x, y, slope);
     const bool vanishes = zero.violation <= kFeasibilityTolerance && y.norm() <= kZeroObjective;
-    solved = vanishes ? zero : optimum(problem_, formulation_, solved.x);
+    solved = vanishes ? zero : optimum(problem_, at_contact, solved.x);
   }
   if (!(solved.violation <= kFeasibilityTolerance)) return std::nullopt;
-  const Configuration found = formulation_.configuration(solved.x);
+  const Configuration found = at_contact.configuration(solved.x);
   returned_.emplace_back(found.phi, solved.x);
   return found;
 }

@@ -3,6 +3,7 @@
 // reaction null space ends.
 #pragma once
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -47,6 +48,7 @@ class ContactRefinement {
   ProjectionResult optimum(const CaptureProblem& problem, const Formulation& formulation,
                            const Eigen::VectorXd& x);
   CaptureProblem stated_at(const Pose& base) const;
+  const Formulation& formulation();
   Eigen::VectorXd best_near(const Pose& base) const;
 
   const CaptureProblem& problem_;
@@ -54,7 +56,7 @@ class ContactRefinement {
   Certificate certificate_;
   StopCondition stop_;
   ContactRefinementOptions options_;
-  Formulation formulation_;
+  std::unique_ptr<Formulation> formulation_;  ///< null before it is asked for: mostly it is not
   std::vector<Known> best_;
   std::vector<std::pair<JointVectord, Eigen::VectorXd>> returned_;
   long optimizer_calls_ = 0;
