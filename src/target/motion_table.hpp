@@ -6,6 +6,8 @@
 
 #include <stillbase/target/prediction.hpp>
 
+#include "target/rotation_series.hpp"
+
 namespace stillbase {
 
 /// Free motion of a body from an estimate, within a horizon on either side of it.
@@ -19,6 +21,7 @@ struct MotionTable {
   double horizon = 0;  ///< s
   /// At estimate.time + (i - middle) * spacing; empty when the rate is constant in N.
   std::vector<Eigen::Quaterniond> nodes = {};
+  std::vector<RotationSeries> series = {};  ///< at the nodes, after expand()
   double spacing = 0;
   int middle = 0;
   Vector3d constant_rate = Vector3d::Zero();     ///< in N
@@ -28,6 +31,9 @@ struct MotionTable {
   /// Takes an estimate. No allocation where reserve() had as much rotation as the horizon has.
   /// @throws std::invalid_argument as TargetMotion; the table is then as it was
   void restart(const TargetState& from, double new_horizon);
+  /// Makes series of the nodes, unless there are very many: state() then takes a tenth of the time.
+  /// Worth it for more than a few times per node.
+  void expand();
   /// Room for a rotation (rad) by largest_rate() within the horizon.
   void reserve(double rotation);
   /// Bound of |omega| over all times, rad/s: I_min |omega|^2 <= omega' I omega, twice the energy.

@@ -23,7 +23,8 @@ namespace {
 using EulerParameters = std::array<double, 4>;
 using Stepper = boost::numeric::odeint::runge_kutta_fehlberg78<EulerParameters>;
 
-constexpr double kMaxNodes = 1e7;  // 500 000 rad on either side of the estimate
+constexpr double kMaxNodes = 1e7;          // 500 000 rad on either side of the estimate
+constexpr std::size_t kMaxSeries = 20000;  // of 320 bytes each
 
 EulerParameters to_array(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 Eigen::Quaterniond to_quaternion(const EulerParameters& e) {
@@ -109,6 +110,7 @@ void MotionTable::restart(const TargetState& from, double new_horizon) {
   estimate = start;
   horizon = new_horizon;
   nodes.clear();
+  series.clear();
   constant_rate.setZero();
   if (is_constant) {
     if (rotates(body, start)) constant_rate = start.angular_velocity;
@@ -131,14 +133,23 @@ void MotionTable::restart(const TargetState& from, double new_horizon) {
   }
 }
 
+void MotionTable::expand() {
+  if (nodes.size() > kMaxSeries) return;
+  series.reserve(nodes.size());
+  for (const Eigen::Quaterniond& q : nodes) {
+    series.emplace_back(q, inverse_inertia, angular_momentum);
+  }
+}
+
 Eigen::Quaterniond MotionTable::orientation(double dt) const {
   if (nodes.empty()) {
     return (rotation_exp(dt * constant_rate) * estimate.pose.orientation).normalized();
   }
   const int nearest = static_cast<int>(std::lround(dt / spacing));
-  const int place = nearest + middle;
-  return step({inverse_inertia, angular_momentum}, nodes[static_cast<std::size_t>(place)],
-              dt - nearest * spacing);
+  const auto place = static_cast<std::size_t>(nearest + middle);
+  const double from_node = dt - nearest * spacing;
+  if (!series.empty()) return series[place].at(from_node);
+  return step({inverse_inertia, angular_momentum}, nodes[place], from_node);
 }
 
 Vector3d MotionTable::angular_velocity(const Eigen::Quaterniond& q) const {
@@ -181,6 +192,7 @@ TargetMotion::TargetMotion(TargetBody body, const TargetState& estimate, double 
   auto table = std::make_shared<Table>();
   table->body = std::move(body);
   table->restart(estimate, horizon);
+  table->expand();
   table_ = std::move(table);
 }
 

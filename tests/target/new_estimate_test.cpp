@@ -39,6 +39,7 @@ TEST_CASE("a table of motion that takes a new estimate is the motion of that est
     if (trial % 5 == 0) estimate.angular_velocity.setZero();
     const double horizon = random.uniform(1, 80);
     table.restart(estimate, horizon);
+    table.expand();
     const TargetMotion motion(brick(), estimate, horizon);
     for (const double part : {-1.0, -0.3, 0.0, 0.7, 1.0}) {
       const double time = estimate.time + part * horizon;
@@ -48,6 +49,33 @@ TEST_CASE("a table of motion that takes a new estimate is the motion of that est
       CHECK(a.angular_velocity == b.angular_velocity);
       CHECK(table.contact(kPlace, time).velocity == motion.contact(kPlace, time).velocity);
       CHECK(a.angular_velocity.norm() <= table.largest_rate(estimate) * (1 + 1e-9));
+    }
+  }
+}
+
+// Steps of the integrator, of order 8, know nothing of the series.
+TEST_CASE("series of the attitude end where steps of the integrator do") {
+  Random random(6);
+  for (int trial = 0; trial < 20; ++trial) {
+    MotionTable table;
+    table.body = brick();
+    const double widest = random.uniform(0.5, 1);  // I_3 <= I_1 + I_2; near it poles are near
+    table.body.inertia = Vector3d(1, 1 + widest, 1 + 2 * widest).asDiagonal();
+    const TargetState estimate = some_state(random);
+    const double horizon = random.uniform(1, 80);
+    table.restart(estimate, horizon);
+    REQUIRE(table.nodes.size() > 1);
+    std::vector<double> times;
+    for (int k = 0; k < 20; ++k) times.push_back(estimate.time + random.uniform(-1, 1) * horizon);
+    std::vector<TargetState> by_steps;
+    for (const double time : times) by_steps.push_back(table.state(time));
+    table.expand();
+    REQUIRE(table.series.size() == table.nodes.size());
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      const TargetState by_series = table.state(times[k]);
+      CHECK((by_series.pose.orientation.coeffs() - by_steps[k].pose.orientation.coeffs()).norm() <
+            1e-15);
+      CHECK((by_series.angular_velocity - by_steps[k].angular_velocity).norm() < 1e-15);
     }
   }
 }

@@ -59,8 +59,9 @@ struct ContactState {
 /// Free motion from an estimate at time t0. Immutable; copies share their table.
 ///
 /// Attitude and rate are integrated once, at construction, over [t0 - horizon, t0 + horizon]. The
-/// nodes are so dense that one high-order step reaches any time: evaluation costs the same for
-/// every time and is smooth in it. Energy and angular momentum are conserved to 1e-10 over 1000 s.
+/// nodes are so dense that a power series at the nearest one, or one high-order step where there
+/// are very many, reaches any time: evaluation costs the same for every time and is smooth in it.
+/// Energy and angular momentum are conserved to 1e-10 over 1000 s.
 class TargetMotion {
  public:
   /// @param horizon s on either side of estimate.time within which times may be asked for
