@@ -1,24 +1,47 @@
 #include "nlp/restoration.hpp"
 
-#include <Eigen/Cholesky>
+#include <algorithm>
+#include <utility>
 
-#include <stillbase/core/linear_algebra.hpp>
+#include <Eigen/QR>
 
 namespace stillbase::nlp {
 
 namespace {
 
-/// The shortest d with J d = r, in the least squares where no d has that.
-Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
-  constexpr double kIndependent = 1e-3;  // of pivots: the normal equations lose the square of it
-  if (J.rows() <= J.cols()) {
-    const Eigen::LLT<Eigen::MatrixXd> normal(J * J.transpose());
-    const auto pivots = normal.matrixLLT().diagonal();
-    if (normal.info() == Eigen::Success && pivots.minCoeff() > kIndependent * pivots.maxCoeff()) {
-      return J.transpose() * normal.solve(r);
+/// The shortest d with J d = r, in the least squares where no d has that: J = L Q' by making its
+/// rows orthogonal one after the other, the one with the largest remainder first.
+Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, Eigen::VectorXd r) {
+  constexpr double kDependent = 1e-9;  // remainder of a row over the longest row
+  const Eigen::Index m = J.rows(), most = std::min(m, J.cols());
+  Eigen::MatrixXd rows = J.transpose();  // in columns: of Q, then what is left of the others
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(m, most);
+  Eigen::VectorXd left = rows.colwise().squaredNorm();
+  double longest = 0;
+  Eigen::Index rank = 0;
+  for (; rank < most; ++rank) {
+    Eigen::Index next = 0;
+    left.tail(m - rank).maxCoeff(&next);
+    next += rank;
+    rows.col(rank).swap(rows.col(next));
+    L.row(rank).swap(L.row(next));
+    std::swap(left[rank], left[next]);
+    std::swap(r[rank], r[next]);
+    const double length = rows.col(rank).norm();
+    longest = std::max(longest, length);
+    if (!(length > kDependent * longest)) break;
+    rows.col(rank) /= length;
+    L(rank, rank) = length;
+    for (Eigen::Index i = rank + 1; i < m; ++i) {
+      const double along = rows.col(rank).dot(rows.col(i));
+      L(i, rank) = along;
+      rows.col(i) -= along * rows.col(rank);
+      left[i] = rows.col(i).squaredNorm();
     }
   }
-  return least_norm_solution(J, r, 1e-9);
+  const auto reached = L.leftCols(rank);
+  if (rank == m) return rows * reached.triangularView<Eigen::Lower>().solve(r);
+  return rows.leftCols(rank) * reached.householderQr().solve(r);
 }
 
 }  // namespace
