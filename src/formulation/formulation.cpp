@@ -164,9 +164,14 @@ void Formulation::Parts::add_differenced(const Placement<double>& at, const Scen
 }
 
 void Formulation::Parts::evaluate_rows(const ConstraintPoint<double>& at, Eigen::VectorXd& values,
-                                       Eigen::MatrixXd* jacobian) const {
+                                       Eigen::MatrixXd* jacobian, double far) const {
   for (std::size_t i = 0; i < rows.kept.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
+    if (far < kInfinity && rows.kept[i]->surely_holds(at, far)) {
+      values[row] = rows.kept[i]->lower + far;
+      jacobian->row(row).setZero();
+      continue;
+    }
     values[row] = jacobian == nullptr ? rows.kept[i]->value(at)
                                       : rows.kept[i]->value_and_gradient(at, jacobian->row(row));
   }
@@ -194,7 +199,7 @@ void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const
   out.constraints.resize(num_constraints());
   out.jacobian.resize(num_constraints(), x.size());
   parts_->evaluate_rows({parts_->model, here.at, here.posture, here.impact}, out.constraints,
-                        &out.jacobian);
+                        &out.jacobian, out.far);
 }
 
 void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alone,
@@ -209,7 +214,7 @@ void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alo
   jacobian.resize(num_constraints(), x.size());
   Eigen::Index count = 0;
   for (const Constraint* row : parts_->rows.kept) {
-    if (!row->is_equation() && (equations_alone || row->surely_holds(at))) continue;
+    if (!row->is_equation() && (equations_alone || row->surely_holds(at, 0))) continue;
     const double value = row->value_and_gradient(at, jacobian.row(count));
     violation[count] = value > row->upper   ? value - row->upper
                        : value < row->lower ? value - row->lower

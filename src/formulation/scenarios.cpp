@@ -46,7 +46,7 @@ void Formulation::evaluate_scenarios(const Eigen::VectorXd& x,
   }
   const auto nominal = parts.impact_of_rows(at, posture);
   parts.evaluate_rows({model, at, posture, nominal}, out.constraints,
-                      derivatives ? &out.jacobian : nullptr);
+                      derivatives ? &out.jacobian : nullptr, out.far);
 }
 
 bool Formulation::Parts::in_packs(const std::vector<Scenario>& scenarios) const {

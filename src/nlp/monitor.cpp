@@ -56,6 +56,7 @@ void Monitor::run_model(Point& point, bool with_derivatives) {
   Evaluation& e = point.evaluation;
   if (with_derivatives) {
     ++gradient_evaluations_;
+    e.far = far_;
     problem_.evaluate(point.x, e);
   } else {
     problem_.evaluate_value(point.x, e);

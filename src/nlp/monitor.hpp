@@ -26,6 +26,10 @@ class Monitor {
   /// residual are OptimizeOptions::certain of the tolerances; that point is then the best one.
   void stop_when_certified() { stops_when_certified_ = true; }
 
+  /// From now on inequalities that hold by more than this may be given as Evaluation::far says.
+  void leave_far_rows(double far) { far_ = far; }
+  double far() const { return far_; }
+
   /// Values (and derivatives) at x (N doubles), moved into the box where rounding left it. Null
   /// when the point is rejected (NaN or infinity) or the solver has to stop: ask stopped(). The
   /// pointer holds until the next call. Safe in any callback: never throws.
@@ -117,6 +121,7 @@ class Monitor {
   Certificate certificate_;
   double worst_objective_ = -kInfinity;
   bool stops_when_certified_ = false;
+  double far_ = kInfinity;
   double last_objective_ = kInfinity;
   int evaluations_ = 0;
   int gradient_evaluations_ = 0;

@@ -128,6 +128,11 @@ class Descent {
   static double violation(const Side& side, double room) {
     return side.is_equation ? std::abs(room) : std::max(0.0, -room);
   }
+  /// A constraint that the problem did not evaluate, because it holds by far.
+  bool is_far(const Side& side, double now) const {
+    return !side.is_equation && now >= monitor_.far() &&
+           here_.jacobian.row(side.index).isZero(0.0);
+  }
   double merit(const Evaluation& at) const {
     double out = at.objective;
     for (std::size_t i = 0; i < sides_.size(); ++i) {
@@ -150,8 +155,11 @@ class Descent {
       qp_.hessian()(n_, n_) = relaxation;
       qp_.gradient()[n_] = 0;
     }
+    rows_.clear();
     for (const Side& side : sides_) {
       const double now = room(side, here_);
+      if (is_far(side, now)) continue;
+      rows_.push_back(&side);
       auto normal = qp_.add_row(-now, side.is_equation);
       normal.head(n_) = side.sign * here_.jacobian.row(side.index);
       if (relaxation > 0) normal[n_] = side.is_equation ? -now : std::max(0.0, -now);
@@ -185,7 +193,10 @@ class Descent {
       }
     }
     step_ = qp_.solution().head(n_);
-    multipliers_ = qp_.multipliers().head(multipliers_.size());
+    multipliers_.setZero();
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      multipliers_[rows_[i] - sides_.data()] = qp_.multipliers()[static_cast<Eigen::Index>(i)];
+    }
     if (!step_.allFinite() || !multipliers_.allFinite()) return false;
     penalties_ = multipliers_.cwiseAbs().cwiseMax((multipliers_.cwiseAbs() + penalties_) / 2);
     return true;
@@ -224,6 +235,7 @@ class Descent {
     for (std::size_t i = 0; i < sides_.size(); ++i) {
       const double weight = multipliers_[static_cast<Eigen::Index>(i)] * sides_[i].sign;
       if (weight == 0) continue;
+      if (is_far(sides_[i], room(sides_[i], here_))) return;  // its gradient is not known
       const Eigen::Index row = sides_[i].index;
       y -= weight * (here_.jacobian.row(row) - before.jacobian.row(row)).transpose();
     }
@@ -247,6 +259,7 @@ class Descent {
 
   Monitor& monitor_;
   const std::vector<Side> sides_;
+  std::vector<const Side*> rows_;  ///< those of the quadratic program
   const int n_;
   DenseQp qp_;
   Eigen::VectorXd penalties_, multipliers_, x_, step_;
@@ -266,6 +279,7 @@ class Sqp final : public Optimizer {
  private:
   NativeOutcome solve(Monitor& monitor, const Eigen::VectorXd& start,
                       const OptimizeOptions& options) const override {
+    monitor.leave_far_rows(options.far);
     Descent descent(monitor);
     Ended ended = descent.run(start, kSqp.first_step);
     NativeOutcome out;

@@ -38,6 +38,7 @@ nlp::OptimizeOptions LocalSolves::limits(int start) const {
       simulates_turn(problem_) ? options_.max_simulated_evaluations : options_.max_evaluations;
   out.stop = options_.stop;
   out.optimality_tolerance = kOptimal;
+  out.far = options_.far;
   out.seed = options_.seed + static_cast<std::uint64_t>(start);
   return out;
 }

@@ -368,4 +368,48 @@ TEST_CASE("clearances that the problem leaves undefined are refused") {
   CHECK_THROWS_AS(Formulation(along), InputError);
 }
 
+TEST_CASE("distances that are larger by far may be cut, all other rows are as they are") {
+  constexpr double kFar = 0.2;
+  Random random(71);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
+  problem.target->shapes = {{{}, Box{{0.6, 0.6, 0.6}}}};
+  problem.robot.shapes = {{kBase, "base", {}, Box{{0.6, 0.6, 0.6}}},
+                          {2, "link_3", {}, Capsule{0.1, 0.3}},
+                          {4, "link_5", {}, Sphere{0.15}}};
+  problem.constraints.clearance = 0.05;
+  const Formulation formulation(problem);
+  const std::vector<Scenario> many(5, formulation.nominal_scenario());
+  int cut = 0, distances = 0;
+  for (int i = 1; i <= 20; ++i) {
+    const Eigen::VectorXd x =
+        formulation.start_point(low_discrepancy_point(i, formulation.num_variables(), 9));
+    nlp::Evaluation whole, near;
+    near.far = kFar;
+    formulation.evaluate(x, whole);
+    formulation.evaluate(x, near);
+    ScenarioEvaluation beside;
+    beside.far = kFar;
+    formulation.evaluate_scenarios(x, many, true, beside);
+    CHECK(beside.constraints == near.constraints);
+    CHECK(beside.jacobian == near.jacobian);
+    for (Eigen::Index row = 0; row < whole.constraints.size(); ++row) {
+      const Constraint& constraint = *formulation.parts().rows.kept[static_cast<std::size_t>(row)];
+      const bool is_distance = constraint.name.rfind("clearance_", 0) == 0;
+      distances += is_distance;
+      if (near.constraints[row] == whole.constraints[row]) {
+        CHECK(near.jacobian.row(row) == whole.jacobian.row(row));
+        continue;
+      }
+      CAPTURE(constraint.name);
+      CHECK(is_distance);
+      CHECK(near.constraints[row] == constraint.lower + kFar);
+      CHECK(whole.constraints[row] > near.constraints[row]);
+      CHECK(near.jacobian.row(row).isZero(0.0));
+      ++cut;
+    }
+  }
+  CHECK(cut > distances / 4);
+  CHECK(cut < distances);
+}
+
 }  // namespace stillbase

@@ -1,4 +1,5 @@
 // The contract of every optimizer in the registry, on problems that behave.
+#include <stillbase/core/random.hpp>
 #include <stillbase/nlp/optimizer.hpp>
 
 #include <algorithm>
@@ -255,6 +256,74 @@ TEST_CASE("ipopt uses the exact Hessian where there is one and says when there i
   const OptimizeResult lbfgs = make_optimizer("ipopt-lbfgs")->minimize(hs071(), hs071().start);
   CHECK(lbfgs.hessian_evaluations == 0);
   CHECK(lbfgs.message.empty());
+}
+
+namespace {
+
+/// The point of a polytope about the origin that is nearest to another one: n_k' x <= 1 for k
+/// walls. It gives walls cut where it may, and remembers what it was asked.
+class NearestInPolytope final : public Problem {
+ public:
+  NearestInPolytope(const Eigen::MatrixXd& normals, const Eigen::VectorXd& wanted)
+      : normals_(normals), wanted_(wanted) {}
+
+  int num_variables() const override { return static_cast<int>(wanted_.size()); }
+  int num_constraints() const override { return static_cast<int>(normals_.rows()); }
+  Eigen::VectorXd constraint_lower() const override {
+    return Eigen::VectorXd::Constant(normals_.rows(), -kInfinity);
+  }
+  Eigen::VectorXd constraint_upper() const override {
+    return Eigen::VectorXd::Ones(normals_.rows());
+  }
+  void evaluate(const Eigen::VectorXd& x, Evaluation& out) const override {
+    out.objective = (x - wanted_).squaredNorm() / 2;
+    out.gradient = x - wanted_;
+    out.constraints = normals_ * x;
+    out.jacobian = normals_;
+    nearest = std::min(nearest, out.far);
+    for (Eigen::Index i = 0; i < out.constraints.size(); ++i) {
+      if (!(1 - out.constraints[i] > out.far)) continue;
+      out.constraints[i] = 1 - out.far;
+      out.jacobian.row(i).setZero();
+      ++cut;
+    }
+  }
+
+  mutable double nearest = kInfinity;
+  mutable int cut = 0;
+
+ private:
+  Eigen::MatrixXd normals_;
+  Eigen::VectorXd wanted_;
+};
+
+}  // namespace
+
+TEST_CASE("inequalities that hold by far may be left out for sqp, and are for no other") {
+  Random random(7);
+  for (int trial = 0; trial < 20; ++trial) {
+    Eigen::MatrixXd normals(30, 4);
+    for (double& entry : normals.reshaped()) entry = random.uniform(-1, 1);
+    normals.rowwise().normalize();
+    Eigen::VectorXd wanted(4);
+    for (double& entry : wanted) entry = random.uniform(-4, 4);
+    const NearestInPolytope problem(normals, wanted);
+    const Eigen::VectorXd start = Eigen::VectorXd::Zero(4);
+    for (const char* name : {"nlopt-slsqp", "ipopt", "sqp"}) {
+      CAPTURE(trial, name);
+      OptimizeOptions options;
+      const OptimizeResult whole = make_optimizer(name)->minimize(problem, start, options);
+      REQUIRE(whole.status == Status::Optimal);
+      CHECK(problem.nearest == kInfinity);
+      options.far = 0.3;
+      const OptimizeResult near = make_optimizer(name)->minimize(problem, start, options);
+      CHECK(near.status == Status::Optimal);
+      CHECK((near.x - whole.x).norm() < 1e-6);
+      CHECK(near.certificate.max_violation <= options.feasibility_tolerance);
+      CHECK(problem.nearest == (name == std::string("sqp") ? 0.3 : kInfinity));
+    }
+    CHECK(problem.cut > 10);
+  }
 }
 
 TEST_CASE("the Hessians of the known problems agree with differences of their gradients") {

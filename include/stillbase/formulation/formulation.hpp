@@ -48,6 +48,7 @@ struct ScenarioEvaluation {
   Eigen::MatrixXd gradients;  ///< K x N
   Eigen::VectorXd constraints;
   Eigen::MatrixXd jacobian;  ///< m x N
+  double far = kInfinity;    ///< see nlp::Evaluation
   // Workspace of the evaluation.
   ImpactBatch batch;
   BatchObjectiveValues batch_values;

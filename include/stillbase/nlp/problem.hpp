@@ -24,6 +24,9 @@ struct Evaluation {
   Eigen::VectorXd gradient;     ///< df/dx (N)
   Eigen::VectorXd constraints;  ///< g (m)
   Eigen::MatrixXd jacobian;     ///< dg/dx (m x N)
+  /// Set by the caller: evaluate() may give an inequality that holds by more than this as if it
+  /// held by just this, with a zero gradient.
+  double far = kInfinity;
   /// Scratch memory of the problem, kept between calls; copies have their own.
   std::any workspace;
 

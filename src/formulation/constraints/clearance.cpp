@@ -91,14 +91,15 @@ struct PairDistance {
     return found.distance;
   }
 
-  /// Spheres about the shapes are looked at first: most pairs are far apart.
-  bool surely_holds(const ConstraintPoint<double>& at) const {
+  /// Spheres about the shapes are looked at first: most pairs are far apart. For a distance that
+  /// shall be larger, closer bounds cost more than they spare.
+  bool surely_holds(const ConstraintPoint<double>& at, double by) const {
     constexpr double kRounding = 1e-9;  // m
-    const double enough = std::max(clearance, 0.0) + kRounding;
+    const double enough = std::max(clearance + by, 0.0) + kRounding;
     const double reach = pair.first.reach() + pair.second.reach();
     const Vector3d apart = origin(pair.first, target, at) - origin(pair.second, target, at);
-    return apart.norm() - reach > enough ||
-           is_beyond(placed<double>(pair.first, target, at),
+    if (apart.norm() - reach > enough) return true;
+    return by == 0 && is_beyond(placed<double>(pair.first, target, at),
                      placed<double>(pair.second, target, at), enough);
   }
 };

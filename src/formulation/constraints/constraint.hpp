@@ -73,8 +73,9 @@ class Constraint : public ConstraintLabel {
   /// out += multiplier * gradient.
   virtual void add_gradient(const ConstraintPoint<Tangent>& at, double multiplier,
                             VectorX<Tangent>& out) const = 0;
-  /// Whether the value is known to lie strictly within its bounds without being evaluated.
-  virtual bool surely_holds(const ConstraintPoint<double>&) const { return false; }
+  /// Whether the value is known to lie within its bounds by more than `by` without being evaluated;
+  /// of rows with a lower bound alone.
+  virtual bool surely_holds(const ConstraintPoint<double>&, double /*by*/) const { return false; }
   /// Whether add_gradient() is exact.
   virtual bool has_hessian() const { return true; }
 };
@@ -109,8 +110,10 @@ class ConstraintFrom final : public Constraint {
     at.model.compress_into(at.placement, gradient, row);
     out += row * Tangent(multiplier);
   }
-  bool surely_holds(const ConstraintPoint<double>& at) const override {
-    if constexpr (requires { evaluate_.surely_holds(at); }) return evaluate_.surely_holds(at);
+  bool surely_holds(const ConstraintPoint<double>& at, double by) const override {
+    if constexpr (requires { evaluate_.surely_holds(at, by); }) {
+      return evaluate_.surely_holds(at, by);
+    }
     return false;
   }
 

@@ -69,6 +69,7 @@ const ScenarioEvaluation& ScenarioProgram::evaluate_at(const Eigen::VectorXd& xt
                                                        nlp::Evaluation& out) const {
   auto& here = out.workspace_as<ScenarioEvaluation>();
   const Eigen::VectorXd x = xtz.head(n_);
+  here.far = derivatives ? out.far : nlp::kInfinity;
   if (follow_ != nullptr) {
     formulation_.evaluate_scenarios(x, scenarios_at(x), derivatives, here);
   } else {
