@@ -1,6 +1,7 @@
 #include <stillbase/formulation/formulation.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -168,6 +169,7 @@ void Formulation::Parts::evaluate_rows(const ConstraintPoint<double>& at, Eigen:
   for (std::size_t i = 0; i < rows.kept.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     if (far < kInfinity && rows.kept[i]->surely_holds(at, far)) {
+      assert(std::isfinite(rows.kept[i]->lower) && !std::isfinite(rows.kept[i]->upper));
       values[row] = rows.kept[i]->lower + far;
       jacobian->row(row).setZero();
       continue;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "nlp/monitor.hpp"
 
@@ -109,7 +110,7 @@ class ViolationProblem final : public Problem {
     out.objective = 0.5 * violation.squaredNorm();
     // A NaN compares false with both bounds and would look like no violation.
     if (!inner.constraints.allFinite()) out.objective = kInfinity;
-    out.gradient.noalias() = inner.jacobian.transpose() * violation;
+    out.gradient = inner.jacobian.transpose().lazyProduct(violation);
     out.constraints.resize(0);
     out.jacobian.resize(0, x.size());
   }
@@ -185,6 +186,7 @@ std::string_view to_string(StopReason reason) {
 
 OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd& x0,
                                    const OptimizeOptions& options) const {
+  if (!(options.far >= 0)) throw std::invalid_argument("OptimizeOptions::far: must be at least 0");
   OptimizeResult result;
   result.optimizer = info_.name;
   result.x = x0;

@@ -40,8 +40,14 @@ Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, Eigen::VectorXd r) {
     }
   }
   const auto reached = L.leftCols(rank);
-  if (rank == m) return rows * reached.triangularView<Eigen::Lower>().solve(r);
-  return rows.leftCols(rank) * reached.householderQr().solve(r);
+  const Eigen::VectorXd y = rank == m
+                                ? Eigen::VectorXd(reached.triangularView<Eigen::Lower>().solve(r))
+                                : Eigen::VectorXd(reached.householderQr().solve(r));
+  // Q y, but for what rounding leaves of Q'Q (Bjorck, Numerical Methods for Least Squares Problems,
+  // 1996, section 2.4.4).
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(J.cols());
+  for (Eigen::Index k = rank - 1; k >= 0; --k) d += (y[k] - rows.col(k).dot(d)) * rows.col(k);
+  return d;
 }
 
 }  // namespace

@@ -130,7 +130,8 @@ class Descent {
   }
   /// A constraint that the problem did not evaluate, because it holds by far.
   bool is_far(const Side& side, double now) const {
-    return !side.is_equation && now >= monitor_.far() &&
+    constexpr double kRounding = 1e-9;  // of bound + far - bound
+    return !side.is_equation && now >= monitor_.far() * (1 - kRounding) &&
            here_.jacobian.row(side.index).isZero(0.0);
   }
   double merit(const Evaluation& at) const {

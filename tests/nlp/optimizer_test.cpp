@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstring>
 #include <set>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -321,6 +323,11 @@ TEST_CASE("inequalities that hold by far may be left out for sqp, and are for no
       CHECK((near.x - whole.x).norm() < 1e-6);
       CHECK(near.certificate.max_violation <= options.feasibility_tolerance);
       CHECK(problem.nearest == (name == std::string("sqp") ? 0.3 : kInfinity));
+      for (const double far : {-0.1, std::nan("")}) {
+        options.far = far;
+        CHECK_THROWS_AS(make_optimizer(name)->minimize(problem, start, options),
+                        std::invalid_argument);
+      }
     }
     CHECK(problem.cut > 10);
   }

@@ -54,6 +54,18 @@ TEST_CASE("lengths of rows differ by eight orders and a step still meets all of 
   CHECK(((J * step + r).array() / r.array()).matrix().norm() <= 1e-9);
 }
 
+TEST_CASE("a step meets a row that nearly depends on the others as well") {
+  Random random(5);
+  const Eigen::VectorXd free = Eigen::VectorXd::Constant(9, kInfinity);
+  for (const double distance : {1e-2, 1e-4, 1e-6}) {
+    Eigen::MatrixXd J = random_matrix(random, 5, 9);
+    J.row(4) = J.row(0) + J.row(2) + distance * random_matrix(random, 1, 9);
+    const Eigen::VectorXd r = J * random_matrix(random, 9, 1);
+    const Eigen::VectorXd step = step_within_box(J, r, Eigen::VectorXd::Zero(9), -free, free);
+    CHECK((J * step + r).norm() <= 1e-14 * r.norm());
+  }
+}
+
 TEST_CASE("variables at a bound that a step would leave stay there") {
   Eigen::MatrixXd J(1, 3);
   J << 1, 2, 2;

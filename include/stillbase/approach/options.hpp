@@ -49,7 +49,9 @@ struct TimeLawOptions {
 struct EffortOptions {
   int checks_per_segment = 8;
   /// A path whose torques at the ends and middles of its segments stay below this part of what is
-  /// usable is not looked at more closely before it is followed: torques hardly change in between.
+  /// usable is not looked at more closely before it is followed. On segments as short as
+  /// TimeLawOptions makes them torques hardly change in between; those of a path that is found are
+  /// looked at in any case.
   double surely_usable = 0.5;
   double usable = 0.99;  ///< part of the limits: the torque may be higher between two checks
 };

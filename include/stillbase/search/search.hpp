@@ -105,9 +105,9 @@ struct SearchOptions {
   std::string rescuer = "ipopt";  ///< goes on where the optimizer stopped short of a minimum:
                                   ///< equations whose gradients nearly depend on each other stop
                                   ///< sequential quadratic programming, an interior point seldom
-  double far = 0.25;  ///< m, beyond the clearance: such distances are left out of local solves,
-                      ///< where steps are shorter; of a step that is not the line search decides
-  int max_evaluations = 1000;     ///< of a local solve, which needs about 40: creeping is cut off
+  double far = 0.25;  ///< m, beyond the clearance: such distances are left out of local solves. A
+                      ///< long step may end within such a body; the next one has its row
+  int max_evaluations = 1000;  ///< of a local solve, which needs about 40: creeping is cut off
   int max_simulated_evaluations = 200;  ///< the same of a simulated objective
   int max_rescue_evaluations = 100;     ///< it is close; one costs ten times one of sqp
   int rescued_minima = 2;               ///< the best, where the solver stopped short
