@@ -23,7 +23,7 @@ RotationSeries::RotationSeries(const Eigen::Quaterniond& q, const Matrix3d& inve
     for (int j = 0; j <= k; ++j) {
       torque += h[static_cast<std::size_t>(j)].cross(w[static_cast<std::size_t>(k - j)]);
     }
-    const auto next = static_cast<std::size_t>(k + 1);
+    const auto next = static_cast<std::size_t>(k) + 1;
     h[next] = torque / (k + 1);
     w[next] = inverse_inertia * h[next];
   }

@@ -1,6 +1,8 @@
 // Torque-free rotation near an instant as a power series in time.
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include <stillbase/core/types.hpp>
 
 namespace stillbase {

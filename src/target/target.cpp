@@ -146,10 +146,11 @@ Eigen::Quaterniond MotionTable::orientation(double dt) const {
     return (rotation_exp(dt * constant_rate) * estimate.pose.orientation).normalized();
   }
   const int nearest = static_cast<int>(std::lround(dt / spacing));
-  const auto place = static_cast<std::size_t>(nearest + middle);
+  const int place = nearest + middle;
   const double from_node = dt - nearest * spacing;
-  if (!series.empty()) return series[place].at(from_node);
-  return step({inverse_inertia, angular_momentum}, nodes[place], from_node);
+  if (!series.empty()) return series[static_cast<std::size_t>(place)].at(from_node);
+  return step({inverse_inertia, angular_momentum}, nodes[static_cast<std::size_t>(place)],
+              from_node);
 }
 
 Vector3d MotionTable::angular_velocity(const Eigen::Quaterniond& q) const {
