@@ -110,10 +110,11 @@ bool is_line_free(const RobotModel& robot, const CollisionScene& scene, const Jo
 /// contact. From outside it does; a hand that points at the base may have the base there.
 bool is_way_free(const CollisionScene& scene, const Kinematics<double>& kinematics,
                  const Pose& target, const Vector3d& direction) {
-  constexpr double kStep = 0.1, kWay = 3;  // m
-  for (double way = kStep; way <= kWay; way += kStep) {
+  constexpr double kStep = 0.1;  // m
+  constexpr int kSteps = 30;
+  for (int k = 1; k <= kSteps; ++k) {
     Pose earlier = target;
-    earlier.position += way * direction;
+    earlier.position += k * kStep * direction;
     if (scene.first_hit(kinematics, Pose{}, &earlier, kSearchClearance)) return false;
   }
   return true;

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <Eigen/Geometry>
+
 #include <stillbase/core/types.hpp>
 
 namespace stillbase::app {

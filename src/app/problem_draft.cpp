@@ -102,7 +102,9 @@ bool sweeps_over_arm(const RobotModel& robot, const DraftEncounter& encounter,
   const CollisionScene scene = CollisionScene(robot, parts).target_pairs_only();
   const auto start = compute_kinematics<double>(robot, encounter.start);
   constexpr double kStep = 0.05;  // s
-  for (double time = kStep; time <= kWait + longest_motion(robot); time += kStep) {
+  const auto steps = static_cast<int>((kWait + longest_motion(robot)) / kStep);
+  for (int k = 1; k <= steps; ++k) {
+    const double time = k * kStep;
     const Pose then = pose_before(time);
     const bool is_over = time <= kWait ? (then.inverse() * place).cwiseAbs().maxCoeff() < half
                                        : scene.first_hit(start, Pose{}, &then).has_value();

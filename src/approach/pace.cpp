@@ -40,13 +40,12 @@ Pace pace_of_straight_motion(const CaptureProblem& problem, const Configuration&
   if (are_torques || !(wanted > 0)) return pace;
 
   constexpr double kStep = 1.05, kMost = 1e4;
-  for (double factor = 1; factor <= kMost; factor *= kStep) {
-    const double duration =
-        are_rates ? duration_with(task, factor, 1) : duration_with(task, 1, factor);
-    if (duration > wanted) continue;
-    pace.factor = factor;
-    break;
-  }
+  const auto duration_at = [&](double factor) {
+    return are_rates ? duration_with(task, factor, 1) : duration_with(task, 1, factor);
+  };
+  double factor = 1;
+  while (factor <= kMost && duration_at(factor) > wanted) factor *= kStep;
+  if (factor <= kMost) pace.factor = factor;
   return pace;
 }
 

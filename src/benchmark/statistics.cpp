@@ -118,7 +118,8 @@ BootstrapInterval bootstrap_mean(const std::vector<double>& per_problem, std::ui
   }
   std::sort(means.begin(), means.end());
   const auto percentile = [&means](double part) {
-    return means[static_cast<std::size_t>(part * static_cast<double>(means.size() - 1) + 0.5)];
+    const double place = part * static_cast<double>(means.size() - 1);
+    return means[static_cast<std::size_t>(std::lround(place))];
   };
   for (const double x : per_problem) out.value += x / count;
   out.low = percentile(0.025);

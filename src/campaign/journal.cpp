@@ -92,7 +92,7 @@ Journal::Journal(const std::string& path, const std::string& list) : path_(path)
   if (file_ < 0) {
     const FileError error = system_error(path, "cannot open");
     ::close(lock_);
-    throw error;
+    throw FileError(error);
   }
   const std::size_t incomplete = read_journal(path, list).incomplete_bytes;
   const off_t size = ::lseek(file_, 0, SEEK_END);
@@ -100,7 +100,7 @@ Journal::Journal(const std::string& path, const std::string& list) : path_(path)
     const FileError error = system_error(path, "cannot cut off an incomplete record");
     ::close(file_);
     ::close(lock_);
-    throw error;
+    throw FileError(error);
   }
 }
 

@@ -14,7 +14,7 @@ std::string sha256_hex(std::string_view bytes) {
   }
   static constexpr char kDigits[] = "0123456789abcdef";
   std::string text;
-  text.reserve(2 * length);
+  text.reserve(2 * std::size_t{length});
   for (unsigned int i = 0; i < length; ++i) {
     text += kDigits[digest[i] >> 4];
     text += kDigits[digest[i] & 15];

@@ -1,5 +1,7 @@
 #include "export/columns.hpp"
 
+#include <fmt/format.h>
+
 namespace stillbase {
 
 namespace {
@@ -22,7 +24,7 @@ SampleColumns space_columns(const std::string& name, const std::string& unit,
                             const Values& values) {
   SampleColumns columns{name, unit, frame, {}, {}, values};
   for (const char component : components) {
-    columns.labels.push_back(name + "_" + component + "_in_" + frame);
+    columns.labels.push_back(fmt::format("{}_{}_in_{}", name, component, frame));
     columns.units.push_back(unit);
   }
   return columns;

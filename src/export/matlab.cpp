@@ -50,6 +50,7 @@ const Json* fullest_object(const Json& list) {
     if (!item.is_object()) return nullptr;
     if (fullest == nullptr || item.size() > fullest->size()) fullest = &item;
   }
+  if (fullest == nullptr) return nullptr;
   for (const Json& item : list) {
     for (const std::string& key : item.keys()) {
       if (!fullest->contains(key)) return nullptr;

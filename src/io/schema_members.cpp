@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include <fmt/format.h>
+
 #include <stillbase/io/schema.hpp>
 
 #include "io/json.hpp"
@@ -37,7 +39,7 @@ class MemberList {
     const Json* properties = schema.find("properties");
     if (properties == nullptr) return add_member(path, field, frame);
     for (const auto& [key, property] : properties->items()) {
-      add(property, path.empty() ? key : path + "." + key, property, frame);
+      add(property, path.empty() ? key : fmt::format("{}.{}", path, key), property, frame);
     }
   }
 

@@ -182,7 +182,8 @@ void add_candidates_that_hold(const CaptureProblem& problem, const Formulation& 
   int added = 0;
   for (int round = 0; round < options.further_searches && added == 0; ++round) {
     if (options.stop.reached()) return;
-    const double scale = 1 - options.further_rate_reserve * (round / 2);
+    const int pairs = round / 2;
+    const double scale = 1 - options.further_rate_reserve * pairs;
     const CaptureProblem asked =
         round % 2 == 0 ? with_limits_as_constraints(problem, options.further_margin, scale)
                        : problem;

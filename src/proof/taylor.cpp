@@ -59,7 +59,7 @@ Taylor<N, K> wave_of(const Taylor<N, K>& x, const F& f, const Rate& rate) {
 
 template <int N, int K>
 Taylor<N, K>::Taylor(const Interval& x, int i) : Taylor(proof::middle(x)) {
-  coefficient[static_cast<std::size_t>(1 + i)] = radius_about(x, coefficient[0]);
+  coefficient[1 + static_cast<std::size_t>(i)] = radius_about(x, coefficient[0]);
 }
 
 template <int N, int K>

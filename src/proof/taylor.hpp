@@ -70,20 +70,23 @@ struct Monomials {
     return out;
   }
 
-  /// All products of degree <= K, sorted by where they go.
+  /// All products of degree <= K, sorted by where they go. Divides first: compilers bound the steps
+  /// that a constant may take.
   static constexpr std::array<Product, kProducts> products() {
     std::array<Product, kProducts> out{};
     std::size_t filled = 0;
     for (std::size_t to = 0; to < kSize; ++to) {
       for (std::size_t x = 0; x < kSize; ++x) {
-        for (std::size_t y = 0; y < kSize; ++y) {
-          bool fits = true;
-          for (std::size_t i = 0; i < N; ++i) {
-            fits = fits && kPowers[x][i] + kPowers[y][i] == kPowers[to][i];
-          }
-          if (!fits) continue;
-          out[filled++] = {static_cast<int>(x), static_cast<int>(y), static_cast<int>(to)};
+        std::array<int, N> rest{};
+        bool divides = true;
+        for (std::size_t i = 0; i < N && divides; ++i) {
+          rest[i] = kPowers[to][i] - kPowers[x][i];
+          divides = rest[i] >= 0;
         }
+        if (!divides) continue;
+        std::size_t y = 0;
+        while (kPowers[y] != rest) ++y;
+        out[filled++] = {static_cast<int>(x), static_cast<int>(y), static_cast<int>(to)};
       }
     }
     return out;

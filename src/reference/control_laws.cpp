@@ -25,7 +25,7 @@ namespace {
 // A^d of command_of().
 MatrixXd damped_inverse(const MatrixXd& A, double rank_edge, double least) {
   const Eigen::JacobiSVD<MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VectorXd sigma = svd.singularValues();
+  const VectorXd& sigma = svd.singularValues();
   if (sigma.size() == 0 || sigma(0) <= 0) return MatrixXd::Zero(A.cols(), A.rows());
   const double edge = std::max(rank_edge * sigma(0), least);
   VectorXd inverse(sigma.size());

@@ -65,9 +65,11 @@ std::optional<Tumbling> tumble(const Matrix3d& inertia, const Tumbling& from, do
   const double count = std::max(1.0, std::ceil(std::abs(duration) * rate / kAnglePerStep));
   const Matrix3d inverse = inertia.inverse();
   Tumbling now = from;
-  for (double i = 0; i < count; ++i) {
-    if (std::fmod(i, 1024) == 0 && stop.reached()) return std::nullopt;
+  double done = 0;
+  while (done < count) {
+    if (std::fmod(done, 1024) == 0 && stop.reached()) return std::nullopt;
     now = step(inertia, inverse, now, duration / count);
+    ++done;
   }
   return now;
 }

@@ -144,7 +144,7 @@ std::vector<Vector3d> outer_points(const std::vector<Vector3d>& points) {
   constexpr std::size_t kFew = 20000;
   constexpr int kCells = 32;  // along an edge: 6144 cells, a hundred for each corner of a hull
   if (points.size() <= kFew) return points;
-  std::vector<const Vector3d*> farthest(6 * kCells * kCells, nullptr);
+  std::vector<const Vector3d*> farthest(std::size_t{6} * kCells * kCells, nullptr);
   for (const Vector3d& point : points) {
     Eigen::Index axis = 0;
     const double along = point.cwiseAbs().maxCoeff(&axis);

@@ -299,7 +299,7 @@ class Division {
   }
 
   void divide() {
-    const auto most = static_cast<std::size_t>(2 * options_.max_parts);
+    const auto most = 2 * static_cast<std::size_t>(options_.max_parts);
     while (pieces_.size() < most) {
       const auto deepest_one =
           std::max_element(pieces_.begin(), pieces_.end(),

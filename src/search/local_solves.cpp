@@ -5,6 +5,7 @@
 
 #include <stillbase/core/constants.hpp>
 
+#include "formulation/projection.hpp"
 #include "search/kink.hpp"
 #include "search/zero_watch.hpp"
 

@@ -10,7 +10,7 @@ void add_hand_axis(const CaptureModel& model, ConstraintSet& out) {
     const auto component = [direction]<class S>(const ConstraintPoint<S>& at,
                                                 ScalarGradient<S>* gradient) -> S {
       const Matrix3<S>& R_EB = at.placement.contact.R_EB;
-      const Vector3<S> e = direction.cast<S>();
+      const Vector3<S> e = direction.cast<S>();  // NOLINT: a copy of doubles alone
       const Vector3<S> axis =
           at.posture.kinematics.R_hand * at.model.encounter.approach_axis.template cast<S>();
       if (gradient != nullptr) {

@@ -20,9 +20,10 @@ struct RowProfile {
 std::vector<RowProfile> sample_rows(const CaptureModel& model, const ConstraintSet& constraints,
                                     const PresolveOptions& options) {
   const int size = model.layout.size;
+  const Eigen::Index width = size + 1;
   std::vector<RowProfile> out;
   for (const auto& row : constraints.rows) {
-    out.push_back({row.get(), false, Eigen::VectorXd::Zero(options.samples * (size + 1)), 0});
+    out.push_back({row.get(), false, Eigen::VectorXd::Zero(options.samples * width), 0});
   }
   Eigen::RowVectorXd gradient(size);
   for (int sample = 0; sample < options.samples; ++sample) {
@@ -35,7 +36,7 @@ std::vector<RowProfile> sample_rows(const CaptureModel& model, const ConstraintS
       profile.is_violated = profile.is_violated || value < row.lower - options.zero ||
                             value > row.upper + options.zero;
       profile.largest_gradient = std::max(profile.largest_gradient, gradient.cwiseAbs().maxCoeff());
-      auto part = profile.values.segment(sample * (size + 1), size + 1);
+      auto part = profile.values.segment(sample * width, width);
       part[0] = value - row.lower;
       part.tail(size) = gradient.transpose();
     }

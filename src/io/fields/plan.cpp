@@ -196,8 +196,6 @@ void objective_value_fields(Table& t, Plan& plan) {
   }
 }
 
-const About kOwnUnit = needed("its own");
-
 }  // namespace
 
 static void fields(Table& t, PlanWarning& warning) {

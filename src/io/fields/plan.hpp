@@ -11,6 +11,8 @@
 
 namespace stillbase::io {
 
+inline const About kOwnUnit = needed("its own");  ///< of a constraint
+
 /// A plan file. @param verification text of the object under `verification`; empty: none. It is
 /// written, and not read.
 void plan_fields(Table& t, PlanFile& file, const std::string& verification);
