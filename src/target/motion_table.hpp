@@ -31,8 +31,8 @@ struct MotionTable {
   /// Takes an estimate. No allocation where reserve() had as much rotation as the horizon has.
   /// @throws std::invalid_argument as TargetMotion; the table is then as it was
   void restart(const TargetState& from, double new_horizon);
-  /// Makes series of the nodes, unless there are very many: state() then takes a tenth of the time.
-  /// Worth it for more than a few times per node.
+  /// Makes series of the nodes, unless there are very many. One costs as much as a few calls of
+  /// state() without it, which then are cheap.
   void expand();
   /// Room for a rotation (rad) by largest_rate() within the horizon.
   void reserve(double rotation);

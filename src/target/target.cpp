@@ -134,6 +134,7 @@ void MotionTable::restart(const TargetState& from, double new_horizon) {
 }
 
 void MotionTable::expand() {
+  series.clear();
   if (nodes.size() > kMaxSeries) return;
   series.reserve(nodes.size());
   for (const Eigen::Quaterniond& q : nodes) {

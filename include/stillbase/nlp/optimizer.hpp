@@ -55,8 +55,9 @@ struct OptimizeOptions {
   /// Leave the solver's options as its authors set them instead of OptimizerInfo::tuning: what a
   /// user gets who does not read the manual. For comparisons.
   bool library_defaults = false;
-  /// At least 0. Inequalities that hold by more than this need no evaluation: see Evaluation::far, to which such
-  /// a row of OptimizeResult::constraints is then cut. For `sqp`, others evaluate all.
+  /// At least 0, or minimize() throws std::invalid_argument. Inequalities that hold by more need no
+  /// evaluation: see Evaluation::far, to which their rows of OptimizeResult::constraints are then
+  /// cut. For `sqp`, others evaluate all.
   double far = kInfinity;
   /// Asked at every new point that the model is defined at, with its values (and derivatives, where
   /// the solver uses them); true ends the solve. May be empty.

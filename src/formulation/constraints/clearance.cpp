@@ -100,7 +100,7 @@ struct PairDistance {
     const Vector3d apart = origin(pair.first, target, at) - origin(pair.second, target, at);
     if (apart.norm() - reach > enough) return true;
     return by == 0 && is_beyond(placed<double>(pair.first, target, at),
-                     placed<double>(pair.second, target, at), enough);
+                                placed<double>(pair.second, target, at), enough);
   }
 };
 
