@@ -6,7 +6,8 @@
 // quadratic programs", Mathematical Programming 27, 1983. From the unconstrained minimum the most
 // violated row enters the active set until none is violated.
 //
-// Assumptions: numbers of order one; nothing is allocated after construction.
+// Assumptions: numbers of order one; nothing is allocated after construction. Columns are kept with
+// zeros up to a multiple of four numbers, so that no loop over them has a remainder.
 #pragma once
 
 #include <vector>
@@ -29,6 +30,8 @@ class DenseQp {
   auto gradient() { return g_.head(n_); }
   /// The normal of a further row, to be filled in. Equations come before all others.
   Eigen::Ref<Eigen::VectorXd> add_row(double b, bool is_equation = false);
+  /// A further row sign * d_variable >= b, sign 1 or -1.
+  void add_bound(int variable, double sign, double b);
 
   enum class Outcome {
     Solved,
@@ -44,17 +47,25 @@ class DenseQp {
   auto normal(int row) const { return normals_.col(row).head(n_); }
 
  private:
+  int row(double b, bool is_equation);
+  double slack(int row) const;
+  double squared_normal(int row) const;
   bool factorise();
   void find_step(int row);
   bool add_to_active(int row);
-  void drop_from_active(int row);
+  void drop_from_active(int place);
+  bool take_equations();
+  int most_violated() const;
 
-  int n_ = 0, rows_ = 0, equations_ = 0;
-  Eigen::MatrixXd H_, normals_, rows_of_normals_;  // one normal per column, per row
-  Eigen::VectorXd g_, b_, slacks_, d_, multipliers_;
+  int n_ = 0, padded_ = 0, rows_ = 0, equations_ = 0;
+  Eigen::MatrixXd H_, normals_;  // one normal per column
+  std::vector<int> bounded_;     // per row: the variable of a bound, else -1
+  Eigen::VectorXd g_, b_, d_, multipliers_;
   // The active set: J' N = [R; 0], J J' = H^-1.
   Eigen::MatrixXd J_, R_;
-  Eigen::VectorXd projected_, step_, dual_step_, u_;
+  Eigen::VectorXd projected_;  // J' n of the row that find_step() was asked for
+  Eigen::VectorXd step_, dual_step_, u_, work_;
+  double curvature_ = 0;  // step' n
   std::vector<int> active_;
   std::vector<char> is_active_;
   int size_ = 0;

@@ -178,11 +178,8 @@ void Replanner::Impl::add_rows(const ReplanPoint& at) {
   for (Eigen::Index j = 0; j < n_; ++j) {
     const double down = std::max(program_.lower()[j] - at.x[j], -options_.longest_step);
     const double up = std::min(program_.upper()[j] - at.x[j], options_.longest_step);
-    for (const double sign : {1.0, -1.0}) {
-      auto normal = qp_.add_row(sign > 0 ? std::min(down, 0.0) : -std::max(up, 0.0));
-      normal.setZero();
-      normal[j] = sign;
-    }
+    qp_.add_bound(static_cast<int>(j), 1, std::min(down, 0.0));
+    qp_.add_bound(static_cast<int>(j), -1, -std::max(up, 0.0));
   }
 }
 

@@ -48,8 +48,7 @@ void set_program(const Formulation& formulation, const Eigen::VectorXd& x,
     const Eigen::VectorXd box = sign > 0 ? formulation.lower() : formulation.upper();
     for (Eigen::Index j = 0; j < box.size(); ++j) {
       if (!std::isfinite(box[j])) continue;
-      program.add_row(std::min(sign * (box[j] - x[j]), 0.0)) =
-          sign * Eigen::VectorXd::Unit(box.size(), j);
+      program.add_bound(static_cast<int>(j), sign, std::min(sign * (box[j] - x[j]), 0.0));
     }
   }
 }

@@ -64,6 +64,42 @@ TEST_CASE("the solution of a quadratic program satisfies its optimality conditio
   CHECK(with_active > 100);
 }
 
+TEST_CASE("bounds of a quadratic program are rows, and it may have any number of variables") {
+  Random random(12);
+  DenseQp qp(14, 60);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 1 + trial % 14, inequalities = trial % 7;
+    Eigen::MatrixXd root(n, n);
+    for (Eigen::Index i = 0; i < root.size(); ++i) root(i) = random.uniform(-1, 1);
+    const Eigen::MatrixXd H = root * root.transpose() + 0.01 * Eigen::MatrixXd::Identity(n, n);
+    const Eigen::VectorXd g = random_vector(random, n);
+    std::vector<Eigen::VectorXd> normals;
+    for (int i = 0; i < inequalities; ++i) normals.push_back(random_vector(random, n));
+    const auto solve = [&](bool as_rows) {
+      qp.begin(n);
+      qp.hessian() = H;
+      qp.gradient() = g;
+      for (const Eigen::VectorXd& normal : normals) qp.add_row(-0.2) = normal;
+      for (int i = 0; i < n; ++i) {
+        for (const double sign : {1.0, -1.0}) {
+          if (as_rows) {
+            qp.add_row(-0.3) = sign * Eigen::VectorXd::Unit(n, i);
+          } else {
+            qp.add_bound(i, sign, -0.3);
+            CHECK(qp.normal(qp.rows() - 1) == sign * Eigen::VectorXd::Unit(n, i));
+          }
+        }
+      }
+      REQUIRE(qp.solve() == DenseQp::Outcome::Solved);
+      Eigen::VectorXd out(n + qp.rows());
+      out << qp.solution(), qp.multipliers();
+      return out;
+    };
+    INFO("trial " << trial);
+    CHECK((solve(true) - solve(false)).lpNorm<Eigen::Infinity>() < 1e-10);
+  }
+}
+
 TEST_CASE("rows of a quadratic program hold, the active ones exactly") {
   DenseQp qp(2, 3);
   qp.begin(2);
