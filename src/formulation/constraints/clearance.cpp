@@ -11,18 +11,26 @@ namespace stillbase {
 
 namespace {
 
-/// Origin of a shape in B, as placed() has it.
-Vector3d origin(const ClearanceShape& shape, const TargetPlacement& target,
-                const ConstraintPoint<double>& at) {
-  const Kinematics<double>& kin = at.posture.kinematics;
-  if (shape.body >= 0) {
-    const auto body = static_cast<std::size_t>(shape.body);
-    return kin.o[body] + kin.R[body] * shape.p;
+/// Origin of a shape, in the frame of its body; of the target's, from the hand in contact axes.
+struct ShapeOrigin {
+  int body;
+  Vector3d p;
+
+  ShapeOrigin(const ClearanceShape& shape, const TargetPlacement& target)
+      : body(shape.body),
+        p(shape.body == kTargetBody ? target.R_ET * (shape.p - target.r) : shape.p) {}
+
+  /// In B, as placed() has it.
+  Vector3d at(const ConstraintPoint<double>& point) const {
+    const Kinematics<double>& kin = point.posture.kinematics;
+    if (body >= 0) {
+      const auto index = static_cast<std::size_t>(body);
+      return kin.o[index] + kin.R[index] * p;
+    }
+    if (body != kTargetBody) return p;
+    return kin.r_bh + point.placement.contact.R_EB.transpose() * p;
   }
-  if (shape.body != kTargetBody) return shape.p;
-  const Vector3d from_hand = target.R_ET * (shape.p - target.r);
-  return kin.r_bh + at.placement.contact.R_EB.transpose() * from_hand;
-}
+};
 
 /// Axes of a shape, from those of its body.
 template <class S>
@@ -75,18 +83,23 @@ void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& 
 }
 
 /// The distance of a pair, at least the clearance.
-struct PairDistance {
-  ClearancePair pair;
-  TargetPlacement target;
-  double clearance;
+class PairDistance {
+ public:
+  PairDistance(const ClearancePair& pair, const TargetPlacement& target, double clearance)
+      : pair_(pair),
+        target_(target),
+        clearance_(clearance),
+        first_(pair.first, target),
+        second_(pair.second, target),
+        reach_(pair.first.reach() + pair.second.reach()) {}
 
   template <class S>
   S operator()(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
     const Separation<S> found =
-        separate<S>(placed<S>(pair.first, target, at), placed<S>(pair.second, target, at));
+        separate<S>(placed<S>(pair_.first, target_, at), placed<S>(pair_.second, target_, at));
     if (gradient != nullptr) {
-      add_gradient_of_body<S>(pair.first.body, found.normal, found.point, at, *gradient);
-      add_gradient_of_body<S>(pair.second.body, -found.normal, found.point, at, *gradient);
+      add_gradient_of_body<S>(pair_.first.body, found.normal, found.point, at, *gradient);
+      add_gradient_of_body<S>(pair_.second.body, -found.normal, found.point, at, *gradient);
     }
     return found.distance;
   }
@@ -95,13 +108,19 @@ struct PairDistance {
   /// shall be larger, closer bounds cost more than they spare.
   bool surely_holds(const ConstraintPoint<double>& at, double by) const {
     constexpr double kRounding = 1e-9;  // m
-    const double enough = std::max(clearance + by, 0.0) + kRounding;
-    const double reach = pair.first.reach() + pair.second.reach();
-    const Vector3d apart = origin(pair.first, target, at) - origin(pair.second, target, at);
-    if (apart.norm() - reach > enough) return true;
-    return by == 0 && is_beyond(placed<double>(pair.first, target, at),
-                                placed<double>(pair.second, target, at), enough);
+    const double enough = std::max(clearance_ + by, 0.0) + kRounding;
+    const double apart = reach_ + enough;
+    if ((first_.at(at) - second_.at(at)).squaredNorm() > apart * apart) return true;
+    return by == 0 && is_beyond(placed<double>(pair_.first, target_, at),
+                                placed<double>(pair_.second, target_, at), enough);
   }
+
+ private:
+  ClearancePair pair_;
+  TargetPlacement target_;
+  double clearance_;
+  ShapeOrigin first_, second_;
+  double reach_;  ///< of both, m
 };
 
 /// Where faces of two boxes are parallel their distance is the least of those of several corners,
