@@ -51,6 +51,7 @@ class LimitedProgram final : public nlp::Problem {
   Eigen::VectorXd constraint_upper() const override {
     return joined(second_.constraint_upper(), 1);
   }
+  bool may_have_kinks(int i) const override { return i < m_ && second_.may_have_kinks(i); }
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     second_.evaluate(x, out);
     auto& of_first = out.workspace_as<nlp::Evaluation>();
@@ -269,12 +270,20 @@ class FrontSearch {
   }
 
   double end_level(Quantity held, Quantity lowered) const {
-    double at_other_end = 0;
+    // What a quantity is where the other one is least; of values that differ by rounding the least.
+    const auto at_least_of = [this](Quantity other, Quantity quantity, double level) {
+      double out = kInfinity;
+      for (const Point& point : points_) {
+        if (point.*other <= level) out = std::min(out, point.*quantity);
+      }
+      return out;
+    };
     const double lowest = least(held), least_other = least(lowered);
-    for (const Point& point : points_) {
-      if (point.*lowered == least_other) at_other_end = point.*held;
-    }
-    return std::max(lowest * (1 + options_.near_least), options_.near_zero * at_other_end);
+    const double other = at_least_of(held, lowered, lowest);
+    const double level =
+        std::max(least_other * (1 + options_.near_least), options_.near_zero * other);
+    return std::max(lowest * (1 + options_.near_least),
+                    options_.near_zero * at_least_of(lowered, held, level));
   }
 
   /// Least second quantity with the first at most at the level.
