@@ -137,6 +137,10 @@ Eigen::VectorXd Formulation::constraint_upper() const {
   return bounds_of(parts_->rows.kept, &ConstraintLabel::upper);
 }
 
+bool Formulation::may_have_kinks(int i) const {
+  return parts_->rows.kept[static_cast<std::size_t>(i)]->has_kinks;
+}
+
 double Formulation::Parts::objective(const Placement<double>& at,
                                      const PostureImpact<double>& posture,
                                      const ScenarioImpact<double>& impact, const Scenario& scenario,

@@ -13,9 +13,9 @@ bool is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 
 }  // namespace
 
-double as_good_as(double objective, const Certificate& certificate,
+double as_good_as(double objective, const Eigen::VectorXd& multipliers,
                   const OptimizeOptions& options) {
-  return objective + 2.0 * certificate.multipliers.lpNorm<1>() * options.feasibility_tolerance +
+  return objective + 2.0 * multipliers.lpNorm<1>() * options.feasibility_tolerance +
          1e-14 * std::abs(objective);
 }
 
@@ -109,7 +109,7 @@ void Monitor::stop_if_certified(const Point& point) {
   if (point.violation_squared > violation * violation) return;
   Certificate found = certify(problem_, point.x, point.evaluation);
   if (found.kkt_residual > options_.certain * options_.optimality_tolerance) return;
-  if (objective > as_good_as(best_.evaluation.objective, found, options_)) return;
+  if (objective > as_good_as(best_.evaluation.objective, found.multipliers, options_)) return;
   if (stopped()) return;
   best_ = point;
   certificate_ = std::move(found);
@@ -190,6 +190,13 @@ void Monitor::complete_best() noexcept {
   } catch (...) {
     keep_exception();
   }
+}
+
+void Monitor::prefer(const Eigen::VectorXd& x, const Eigen::VectorXd& multipliers) {
+  const Point* point = find_known(x);
+  if (point == nullptr || !point->valid || !point->feasible) return;
+  const double limit = as_good_as(best_.evaluation.objective, multipliers, options_);
+  if (point->evaluation.objective <= limit) best_ = *point;
 }
 
 double Monitor::rejection_value() const {

@@ -12,7 +12,8 @@ namespace stillbase::nlp {
 /// A violation within the tolerance buys a lower objective, so that the lowest f may belong to an
 /// iterate from before the last digits were found. Objectives up to this are as good as `objective`
 /// to first order: f + 2 |multipliers|_1 feasibility_tolerance, and rounding.
-double as_good_as(double objective, const Certificate& certificate, const OptimizeOptions& options);
+double as_good_as(double objective, const Eigen::VectorXd& multipliers,
+                  const OptimizeOptions& options);
 
 class Monitor {
  public:
@@ -54,6 +55,9 @@ class Monitor {
   void rethrow() const {
     if (exception_) std::rethrow_exception(exception_);
   }
+
+  /// Takes a point that was just evaluated for the best one, where it is as good.
+  void prefer(const Eigen::VectorXd& x, const Eigen::VectorXd& multipliers);
 
   /// A finite objective worse than all seen, for solvers that cannot take a refusal or infinity.
   double rejection_value() const;

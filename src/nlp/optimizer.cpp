@@ -70,7 +70,7 @@ void take_point(OptimizeResult& result, const Eigen::VectorXd& x, const Evaluati
 void prefer_certified(OptimizeResult& result, const Monitor& monitor,
                       const OptimizeOptions& options) {
   if (!result.feasible || result.certificate.kkt_residual <= options.optimality_tolerance) return;
-  const double limit = as_good_as(result.objective, result.certificate, options);
+  const double limit = as_good_as(result.objective, result.certificate.multipliers, options);
   monitor.visit_recent(limit, [&](const Eigen::VectorXd& x, const Evaluation& at_x) {
     Certificate found = certify(monitor.problem(), x, at_x);
     if (found.kkt_residual > options.optimality_tolerance) return false;
@@ -218,6 +218,7 @@ OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd
     const NativeOutcome native = solve(monitor, start, options);
     result.native_code = native.code;
     result.native_status = native.status;
+    result.at_kink = native.at_kink;
     remark(result, native.remark);
   }
   monitor.complete_best();

@@ -29,7 +29,7 @@ std::vector<Eigen::VectorXd> starts_of(const Formulation& formulation, int count
 
 TEST_CASE("solves after a latch end as they do, in fewer evaluations where they end at a zero") {
   const Formulation formulation(test::without_path("deos_latch"));
-  const auto optimizer = nlp::make_optimizer("sqp");
+  const auto optimizer = nlp::make_optimizer("nlopt-slsqp");
   int zeros_alone = 0, zeros = 0;
   long alone = 0, watched = 0;
   for (const Eigen::VectorXd& from : starts_of(formulation, 32)) {

@@ -23,6 +23,7 @@ class ForwardingProgram : public nlp::Problem {
   Eigen::VectorXd upper() const override { return inner().upper(); }
   Eigen::VectorXd constraint_lower() const override { return inner().constraint_lower(); }
   Eigen::VectorXd constraint_upper() const override { return inner().constraint_upper(); }
+  bool may_have_kinks(int i) const override { return inner().may_have_kinks(i); }
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     inner().evaluate(x, out);
   }

@@ -68,6 +68,7 @@ class Formulation final : public nlp::Problem {
   Eigen::VectorXd upper() const override;
   Eigen::VectorXd constraint_lower() const override;
   Eigen::VectorXd constraint_upper() const override;
+  bool may_have_kinks(int i) const override;
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override;
   /// Exact: the lines of the gradient, differentiated forwards. Not with functions of the user, and

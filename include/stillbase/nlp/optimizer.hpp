@@ -104,6 +104,9 @@ struct OptimizeResult {
   int gradient_evaluations = 0;  ///< those of them with derivatives
   int hessian_evaluations = 0;   ///< of lagrangian_hessian, apart
   int rejected_evaluations = 0;  ///< those that gave NaN or infinity
+  /// `sqp` alone: it ended where the gradients of both sides of a kink of some inequality, which it
+  /// has seen, leave no way down. The certificate has those of one side, its KKT residual is large.
+  bool at_kink = false;
   std::string optimizer;
   int native_code = 0;        ///< the library's return code
   std::string native_status;  ///< its text; empty when it was not called
@@ -129,7 +132,8 @@ class Monitor;  // src/nlp/monitor.hpp
 struct NativeOutcome {
   int code = 0;
   std::string status;
-  std::string remark;  ///< appended to OptimizeResult::message
+  std::string remark;    ///< appended to OptimizeResult::message
+  bool at_kink = false;  ///< see OptimizeResult
 };
 
 /// An optimizer. Has no state between calls: one object may be used by several threads, each with

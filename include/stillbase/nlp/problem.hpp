@@ -57,6 +57,10 @@ class Problem {
   virtual Eigen::VectorXd constraint_lower() const = 0;
   virtual Eigen::VectorXd constraint_upper() const = 0;
 
+  /// Whether g_i may be the least of several smooth functions, as a distance of bodies is, with the
+  /// gradient of one of them. Of use to `sqp`, for a lower bound.
+  virtual bool may_have_kinks(int /*i*/) const { return false; }
+
   /// Everything at x (N) in one evaluation of the model. `out` keeps its storage between calls; all
   /// four members must be set, with the sizes above (m may be 0).
   virtual void evaluate(const Eigen::VectorXd& x, Evaluation& out) const = 0;

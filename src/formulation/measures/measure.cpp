@@ -144,7 +144,8 @@ MeasureSolution Measure::finish(const nlp::Optimizer& optimizer,
                                 const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
   if (problem_.measure.kind == RiskMeasure::WorstCase) {
     MeasureSolution first = follow(optimizer, options, x0);
-    if (certify(first.x).kkt_residual <= options.optimality_tolerance) return first;
+    if (first.at_kink || certify(first.x).kkt_residual <= options.optimality_tolerance)
+      return first;
     // The set of maxima has changed: a second round from cuts that hold everywhere.
     const RoughLimits exact{.evaluations = 60,
                             .violation = options.feasibility_tolerance,
@@ -246,12 +247,16 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
     const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), options);
     ++out.solver_calls;
     const Eigen::VectorXd x = in_shortest_turns(formulation_, result.x.head(x0.size()));
+    out.at_kink = result.at_kink && formulation_.distance(x, out.x) <= options_.same_point;
     if (x == out.x) break;  // another round would repeat this one
     worst = maxima_at(x);
     // A maximum that was left out may have taken over: then x0 stays better.
     if (!result.feasible || half_square(worst.front().value) > scale * (1 + 1e-12)) break;
     out.x = x;
-    if (certify(x).kkt_residual <= options_.finished) break;
+    // No maximum is above those that were followed, and there is no way down.
+    out.at_kink = result.at_kink && half_square(worst.front().value) <=
+                                        result.objective * scale * (1 + options_.same_value);
+    if (out.at_kink || certify(x).kkt_residual <= options_.finished) break;
   }
   return out;
 }

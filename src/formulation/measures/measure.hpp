@@ -15,6 +15,7 @@ namespace stillbase {
 struct MeasureSolution {
   Eigen::VectorXd x;
   int solver_calls = 0;
+  bool at_kink = false;  ///< finish(): a minimum as OptimizeResult::at_kink has it
 };
 
 /// A rough solve, and what it would have been, had it been given up.
@@ -56,6 +57,8 @@ struct MeasureOptions {
   double near = 1e-2;  ///< relative excess at which the directions hardly change any more
   double counting_maximum = 0.25;  ///< of the worst |y|^2: smaller maxima do not count yet
   double finished = 1e-8;          ///< KKT residual after which no round follows
+  double same_point = 1e-6;        ///< rad: a solve that has moved no farther has found its start
+  double same_value = 1e-9;        ///< relative excess of |y|^2 over the maxima that were followed
   double zero = kZeroObjective;    ///< of the typical size: of less only rounding is left
 };
 

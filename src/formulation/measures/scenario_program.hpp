@@ -34,6 +34,7 @@ class ScenarioProgram final : public nlp::Problem {
   Eigen::VectorXd upper() const override;
   Eigen::VectorXd constraint_lower() const override;
   Eigen::VectorXd constraint_upper() const override;
+  bool may_have_kinks(int i) const override { return i < m_ && formulation_.may_have_kinks(i); }
   void evaluate(const Eigen::VectorXd& xtz, nlp::Evaluation& out) const override;
   void evaluate_value(const Eigen::VectorXd& xtz, nlp::Evaluation& out) const override;
   /// Exact for fixed directions; following ones change with x, which it leaves out.
