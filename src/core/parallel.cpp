@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <system_error>
@@ -82,20 +83,109 @@ class IndexQueue {
 
 }  // namespace
 
+class ThreadCrew::Threads {
+ public:
+  explicit Threads(int most) : most_(static_cast<std::size_t>(std::max(most, 0))) {}
+  Threads(const Threads&) = delete;
+  Threads& operator=(const Threads&) = delete;
+  ~Threads() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_over_ = true;
+    }
+    has_work_.notify_all();
+  }
+
+  /// Calls `work`, which does not throw, on this thread and on up to `helpers` others.
+  void run(const std::function<void()>& work, int helpers) {
+    Job job{work, helpers};
+    {
+      const std::lock_guard lock(mutex_);
+      jobs_.push_back(&job);
+      begin_threads();
+    }
+    for (int i = 0; i < helpers; ++i) has_work_.notify_one();
+    work();
+    std::unique_lock lock(mutex_);
+    jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
+    is_left_.wait(lock, [&job] { return job.helped_by == 0; });
+  }
+
+  /// That of the calling thread; null: none.
+  static thread_local Threads* here;
+
+ private:
+  struct Job {
+    const std::function<void()>& work;
+    int wanted;  ///< helpers that have not come yet
+    int helped_by = 0;
+  };
+
+  /// As many as are wanted and idle ones do not do.
+  void begin_threads() {
+    int wanted = 0;
+    for (const Job* job : jobs_) wanted += job->wanted;
+    try {
+      for (; wanted > idle_ && threads_.size() < most_; ++idle_) {
+        threads_.emplace_back([this] { help(); });
+      }
+    } catch (const std::system_error&) {
+      // No more threads to be had: the result does not depend on their number.
+    }
+  }
+
+  void help() {
+    here = this;
+    std::unique_lock lock(mutex_);
+    while (true) {
+      const auto next = [this] {
+        return std::find_if(jobs_.begin(), jobs_.end(), [](const Job* j) { return j->wanted > 0; });
+      };
+      has_work_.wait(lock, [&] { return is_over_ || next() != jobs_.end(); });
+      if (is_over_) return;
+      Job& job = **next();
+      --job.wanted;
+      ++job.helped_by;
+      --idle_;
+      lock.unlock();
+      job.work();
+      lock.lock();
+      ++idle_;
+      if (--job.helped_by == 0) is_left_.notify_all();
+    }
+  }
+
+  const std::size_t most_;
+  std::mutex mutex_;  // of what follows
+  std::condition_variable has_work_, is_left_;
+  std::vector<Job*> jobs_;
+  int idle_ = 0;  ///< threads that wait, or are about to
+  bool is_over_ = false;
+  std::vector<std::jthread> threads_;  // the last member: they end first
+};
+
+thread_local ThreadCrew::Threads* ThreadCrew::Threads::here = nullptr;
+
+ThreadCrew::ThreadCrew(int jobs) {
+  if (jobs <= 1 || Threads::here != nullptr) return;
+  threads_ = std::make_unique<Threads>(jobs - 1);
+  Threads::here = threads_.get();
+}
+
+ThreadCrew::~ThreadCrew() {
+  if (threads_) Threads::here = nullptr;
+}
+
 int processor_count() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 int for_each_index(int jobs, int count, const StopCondition& stop,
                    const std::function<void(int)>& work, const std::function<void(int)>& take) {
   IndexQueue queue(count, stop, work, take);
-  {
-    std::vector<std::jthread> helpers;
-    try {
-      for (int i = 1; i < std::min(jobs, count); ++i) {
-        helpers.emplace_back([&queue] { queue.run(); });
-      }
-    } catch (const std::system_error&) {
-      // No more threads to be had: the result does not depend on their number.
-    }
+  const int helpers = std::min(jobs, count) - 1;
+  if (helpers > 0) {
+    const ThreadCrew crew(jobs);
+    ThreadCrew::Threads::here->run([&queue] { queue.run(); }, helpers);
+  } else {
     queue.run();
   }
   return queue.taken();

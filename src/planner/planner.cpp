@@ -250,6 +250,7 @@ Plan plan_features(const CaptureProblem& problem, const PlannerOptions& options)
 }  // namespace
 
 Plan make_plan(const CaptureProblem& problem, const PlannerOptions& options) {
+  const ThreadCrew crew(jobs_of(problem, options));
   Plan plan = problem.variables.features.empty() ? plan_one_feature(problem, options).plan
                                                  : plan_features(problem, options);
   if (!plan.candidates.empty() && plan.status != PlanStatus::Infeasible) {

@@ -398,6 +398,7 @@ class Search {
 template <int N>
 Bound bound_below(const Program<N>& program, const std::vector<Box<N>>& domain,
                   const BoundOptions& options) {
+  const ThreadCrew crew(jobs_or_processors(options.jobs));
   return Search<N>(program, options).run(domain);
 }
 

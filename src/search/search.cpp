@@ -421,6 +421,7 @@ class Search {
 
 SearchResult search(const CaptureProblem& problem, const Formulation& formulation,
                     const SearchOptions& options) {
+  const ThreadCrew crew(jobs_or_processors(options.jobs));
   return Search(problem, formulation, options).run();
 }
 

@@ -361,6 +361,7 @@ TradeOff trade_off(const CaptureProblem& problem, ObjectiveQuantity first, Objec
   if (first == second) throw std::invalid_argument("a trade-off needs two quantities");
   if (options.levels < 2) throw std::invalid_argument("a trade-off needs two levels at least");
   TradeOff out{first, second, {}, false, {}};
+  const ThreadCrew crew(jobs_or_processors(options.jobs));
   FrontSearch search(problem, first, second, options, out);
   search.run();
   out.points = search.front();

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -102,4 +104,73 @@ TEST_CASE("what is taken before a failure is the same for every number of jobs")
   };
   CHECK_THROWS_WITH(for_each_index(jobs, 100, {}, work, take), "of taking");
   CHECK(taken == std::vector{0, 1, 2, 3, 4, 5, 6, 7, 8});
+}
+
+namespace {
+
+/// The threads that work on 16 indices, each of which takes a while.
+std::set<std::thread::id> threads_of_call(int jobs) {
+  std::set<std::thread::id> out;
+  std::mutex mutex;
+  for_each_index(jobs, 16, {}, [&](int) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const std::lock_guard lock(mutex);
+    out.insert(std::this_thread::get_id());
+  });
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a crew keeps its threads from one call to the next") {
+  std::set<std::thread::id> seen;
+  {
+    const ThreadCrew crew(3);
+    for (int call = 0; call < 20; ++call) seen.merge(threads_of_call(3));
+    CHECK(seen.size() > 1);
+    CHECK(seen.size() <= 3);
+    const ThreadCrew inner(8);  // does nothing
+    seen.merge(threads_of_call(8));
+    CHECK(seen.size() <= 3);
+  }
+  // Without it each call has threads of its own, whatever their number was before.
+  std::size_t most = 0;
+  for (int call = 0; call < 20; ++call) most = std::max(most, threads_of_call(5).size());
+  CHECK(most > 3);
+}
+
+TEST_CASE("a crew of one job leaves calls their own threads") {
+  const ThreadCrew crew(1);
+  std::size_t most = 0;
+  for (int call = 0; call < 20; ++call) most = std::max(most, threads_of_call(2).size());
+  CHECK(most == 2);
+}
+
+TEST_CASE("calls within calls share a crew") {
+  const int jobs = GENERATE(1, 2, 3, 8);
+  const ThreadCrew crew(jobs);
+  for (int call = 0; call < 50; ++call) {
+    std::vector<std::atomic<int>> times(60);
+    for_each_index(jobs, 6, {}, [&](int i) {
+      for_each_index(jobs, 10, {}, [&](int k) { ++times[static_cast<std::size_t>(10 * i + k)]; });
+    });
+    for (const std::atomic<int>& each : times) CHECK(each == 1);
+  }
+}
+
+TEST_CASE("a crew goes on after a failure and after a stop") {
+  const ThreadCrew crew(4);
+  for (int call = 0; call < 50; ++call) {
+    CHECK_THROWS_WITH(for_each_index(4, 40, {},
+                                     [](int i) {
+                                       if (i >= 7) throw std::runtime_error(std::to_string(i));
+                                     }),
+                      "7");
+    StopCondition over;
+    over.deadline = StopCondition::Clock::now();
+    CHECK(for_each_index(4, 40, over, [](int) {}) == 0);
+    std::atomic<int> sum{0};
+    CHECK(for_each_index(4, 40, {}, [&](int i) { sum += i; }) == 40);
+    CHECK(sum == 780);
+  }
 }

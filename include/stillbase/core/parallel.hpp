@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
 #include <stillbase/core/interrupt.hpp>
 
@@ -17,9 +18,32 @@ int processor_count();
 /// A number of threads as options state it, where 0 asks for one per processor.
 inline int jobs_or_processors(int jobs) { return jobs > 0 ? jobs : processor_count(); }
 
+/// Keeps the threads of for_each_index() from one call to the next: a search makes hundreds of
+/// calls, and a thread takes longer to begin than some of them.
+///
+/// While it exists, calls on the thread that made it, and on its threads, are helped by at most
+/// `jobs - 1` threads in all, which begin when first wanted. Inside another crew, and
+/// for one job, it does nothing.
+class ThreadCrew {
+ public:
+  explicit ThreadCrew(int jobs);
+  ThreadCrew(const ThreadCrew&) = delete;
+  ThreadCrew& operator=(const ThreadCrew&) = delete;
+  /// Ends the threads. On the thread that made it.
+  ~ThreadCrew();
+
+ private:
+  friend int for_each_index(int jobs, int count, const StopCondition& stop,
+                            const std::function<void(int)>& work,
+                            const std::function<void(int)>& take);
+  class Threads;
+  std::unique_ptr<Threads> threads_;  ///< null inside another crew
+};
+
 /// Calls work(i) once for every i of 0 .. count - 1 on at most `jobs` threads, of which the
 /// caller's is one, and take(i) as soon as all up to i were worked on: in order, one at a time, on
-/// any of the threads. With one job everything happens on the caller's thread: work(0), take(0),
+/// any of the threads. The threads are those of a ThreadCrew, or begin and end with the call. With
+/// one job everything happens on the caller's thread: work(0), take(0),
 /// work(1), ...
 /// @param stop reached: no further index is begun; those that were begun are taken as well
 /// @return how many were taken; less than `count` when stopped
