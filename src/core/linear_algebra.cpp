@@ -62,7 +62,9 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& A, double threshold) {
   return solver.compute(A).pseudoInverse();
 }
 
-PivotedQr::PivotedQr(const Eigen::MatrixXd& A) : qr_(A) {}
+PivotedQr::PivotedQr(const Eigen::MatrixXd& A, std::optional<double> threshold) : qr_(A) {
+  if (threshold) qr_.setThreshold(*threshold);
+}
 
 Eigen::Index PivotedQr::rank() const { return qr_.rank(); }
 

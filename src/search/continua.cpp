@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <mutex>
+#include <optional>
 
 #include <stillbase/core/parallel.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
@@ -24,11 +27,23 @@ class RatedCurve {
  public:
   RatedCurve(const CaptureProblem& problem, const Formulation& formulation, SolutionCurve curve,
              const ContinuumOptions& options)
-      : problem_(problem), formulation_(formulation), curve_(std::move(curve)), options_(options) {
-    for (const CurvePoint& point : curve_.points) values_.push_back(value_at(point.x));
-  }
+      : problem_(problem),
+        formulation_(formulation),
+        curve_(std::move(curve)),
+        values_(curve_.points.size()),
+        is_free_(curve_.points.size(), 1),
+        options_(options) {}
 
   std::size_t size() const { return values_.size(); }
+
+  /// To be called for every point, before anything else, on any thread.
+  void rate(std::size_t i, const std::function<bool(const Configuration&)>& is_free) {
+    const Eigen::VectorXd& x = point(i);
+    values_[i] = value_at(x);
+    // The target is followed to the contact for every point: thousands of distances.
+    if (is_free) is_free_[i] = is_free(formulation_.configuration(formulation_.normalised(x)));
+  }
+  std::vector<bool> free_points() const { return {is_free_.begin(), is_free_.end()}; }
 
   bool is_flat() const {
     const auto [least, most] = std::minmax_element(values_.begin(), values_.end());
@@ -146,6 +161,7 @@ class RatedCurve {
   const Formulation& formulation_;
   SolutionCurve curve_;
   std::vector<double> values_;
+  std::vector<char> is_free_;  // not bool: threads write next to each other
   const ContinuumOptions& options_;
 };
 
@@ -172,16 +188,10 @@ std::vector<Configuration> points_along(const Formulation& formulation, const So
 
 /// One curve's entries in the list of solutions.
 std::vector<ContinuumMember> best_of(const RatedCurve& curve, const Formulation& formulation,
-                                     const std::vector<ContinuumMember>& members,
-                                     const std::function<bool(const Configuration&)>& is_free,
-                                     const StopCondition& stop) {
+                                     const std::vector<ContinuumMember>& members) {
   const int family = members.front().family;
   std::vector<ContinuumMember> out;
-  std::vector<bool> free(curve.size(), true);
-  // The target is followed to the contact for every point: thousands of distances.
-  for (std::size_t i = 0; i < curve.size() && is_free && !stop.reached(); ++i) {
-    free[i] = is_free(formulation.configuration(formulation.normalised(curve.point(i))));
-  }
+  const std::vector<bool> free = curve.free_points();
   if (curve.is_flat()) {
     for (const std::size_t i : curve.middles(free)) {
       out.push_back({formulation.normalised(curve.point(i)), 0, family});
@@ -207,53 +217,136 @@ std::vector<ContinuumMember> best_of(const RatedCurve& curve, const Formulation&
   return out;
 }
 
+/// The curves through solutions, and the solutions on each. A curve is traced once, from the first
+/// solution on it.
+class CurveCollection {
+ public:
+  CurveCollection(const Formulation& formulation, const StopCondition& stop,
+                  const ContinuumOptions& options)
+      : formulation_(formulation), stop_(stop), options_(options) {}
+
+  /// What is to be found out about a solution, on any thread.
+  struct Found {
+    ContinuumMember solution;
+    std::size_t looked_at = 0;           ///< curves on which it was looked for
+    std::optional<SolutionCurve> curve;  ///< through it, where it is on none of those
+  };
+  Found look_at(ContinuumMember solution) const {
+    Found out;
+    solution.x = in_shortest_turns(formulation_, solution.x, options_.curve.other_turn);
+    out.solution = solution;
+    if (!vanishes(formulation_, solution.x, options_.zero)) return out;
+    {
+      const std::lock_guard lock(mutex_);
+      out.looked_at = curves_.size();
+    }
+    place(out.solution, 0, out.looked_at);
+    if (out.solution.family >= 0 || stop_.reached()) return out;
+    out.curve = trace_curve(formulation_, solution.x, stop_, options_.curve);
+    return out;
+  }
+
+  /// In the order of the solutions, one at a time.
+  void take(Found found) {
+    ContinuumMember& solution = found.solution;
+    if (found.curve) {
+      place(solution, found.looked_at, curves_.size());
+      if (solution.family < 0) {
+        solution.family = static_cast<int>(curves_.size());
+        const std::lock_guard lock(mutex_);
+        curves_.push_back(std::move(*found.curve));
+        members_.emplace_back();
+      }
+    }
+    if (solution.family < 0) {
+      alone_.push_back(solution);
+    } else {
+      members_[static_cast<std::size_t>(solution.family)].push_back(solution);
+    }
+  }
+
+  std::deque<SolutionCurve>& curves() { return curves_; }
+  const std::vector<ContinuumMember>& members_of(std::size_t curve) const {
+    return members_[curve];
+  }
+  const std::vector<ContinuumMember>& alone() const { return alone_; }
+
+ private:
+  const SolutionCurve& curve(std::size_t i) const {
+    const std::lock_guard lock(mutex_);
+    return curves_[i];
+  }
+  void place(ContinuumMember& solution, std::size_t first, std::size_t end) const {
+    for (std::size_t i = first; i < end && solution.family < 0; ++i) {
+      if (place_on(formulation_, curve(i), solution.x, options_.curve))
+        solution.family = static_cast<int>(i);
+    }
+  }
+
+  const Formulation& formulation_;
+  const StopCondition& stop_;
+  const ContinuumOptions& options_;
+  mutable std::mutex mutex_;  // of curves_, whose elements stay where they are
+  std::deque<SolutionCurve> curves_;
+  std::vector<std::vector<ContinuumMember>> members_;
+  std::vector<ContinuumMember> alone_;
+};
+
 }  // namespace
 
 Continua follow_continua(const CaptureProblem& problem, const Formulation& formulation,
                          const std::vector<ContinuumMember>& solutions,
                          const std::function<bool(const Configuration&)>& is_free,
                          const StopCondition& stop, int jobs, const ContinuumOptions& options) {
+  CurveCollection collection(formulation, stop, options);
+  std::vector<std::optional<CurveCollection::Found>> found(solutions.size());
+  const int looked_at = for_each_index(
+      jobs, static_cast<int>(solutions.size()), stop,
+      [&](int i) {
+        const auto k = static_cast<std::size_t>(i);
+        found[k] = collection.look_at(solutions[k]);
+      },
+      [&](int i) { collection.take(std::move(*found[static_cast<std::size_t>(i)])); });
+  for (auto i = static_cast<std::size_t>(looked_at); i < solutions.size(); ++i) {
+    collection.take({solutions[i], 0, std::nullopt});
+  }
+
   Continua out;
-  std::vector<SolutionCurve> curves;
-  std::vector<std::vector<ContinuumMember>> members;
-  for (ContinuumMember solution : solutions) {
-    solution.x = in_shortest_turns(formulation, solution.x, options.curve.other_turn);
-    if (vanishes(formulation, solution.x, options.zero)) {
-      for (std::size_t i = 0; i < curves.size() && solution.family < 0; ++i) {
-        if (place_on(formulation, curves[i], solution.x, options.curve))
-          solution.family = static_cast<int>(i);
-      }
-      if (solution.family < 0 && !stop.reached()) {
-        if (auto curve = trace_curve(formulation, solution.x, stop, options.curve)) {
-          solution.family = static_cast<int>(curves.size());
-          curves.push_back(std::move(*curve));
-          members.emplace_back();
-        }
-      }
-    }
-    if (solution.family < 0) {
-      out.solutions.push_back(solution);
-    } else {
-      members[static_cast<std::size_t>(solution.family)].push_back(solution);
-    }
-  }
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    SolutionFamily family{curves[i].arc_length, curves[i].is_closed, curves[i].is_complete, 0,
-                          points_along(formulation, curves[i], options)};
-    for (const ContinuumMember& member : members[i]) family.starts += member.reached;
-    out.families.push_back(family);
-  }
-  std::vector<std::vector<ContinuumMember>> best(curves.size());
-  const auto work = [&](int i) {
-    const auto k = static_cast<std::size_t>(i);
-    const RatedCurve rated(problem, formulation, std::move(curves[k]), options);
-    best[k] = best_of(rated, formulation, members[k], is_free, stop);
+  out.solutions = collection.alone();
+  struct Place {
+    std::size_t curve, point;
   };
-  const auto rated =
-      static_cast<std::size_t>(for_each_index(jobs, static_cast<int>(curves.size()), stop, work));
+  std::vector<RatedCurve> curves;
+  std::vector<Place> places;
+  for (SolutionCurve& curve : collection.curves()) {
+    SolutionFamily family{curve.arc_length, curve.is_closed, curve.is_complete, 0,
+                          points_along(formulation, curve, options)};
+    for (const ContinuumMember& member : collection.members_of(curves.size())) {
+      family.starts += member.reached;
+    }
+    out.families.push_back(family);
+    for (std::size_t i = 0; i < curve.points.size(); ++i) places.push_back({curves.size(), i});
+    curves.emplace_back(problem, formulation, std::move(curve), options);
+  }
+  const auto rate = [&](int i) {
+    const Place at = places[static_cast<std::size_t>(i)];
+    curves[at.curve].rate(at.point, is_free);
+  };
+  const auto places_rated =
+      static_cast<std::size_t>(for_each_index(jobs, static_cast<int>(places.size()), stop, rate));
+  std::size_t rated = curves.size();
+  if (places_rated < places.size()) rated = places[places_rated].curve;
+
+  std::vector<std::vector<ContinuumMember>> best(rated);
+  const auto find_best = [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    best[k] = best_of(curves[k], formulation, collection.members_of(k));
+  };
+  const auto finished =
+      static_cast<std::size_t>(for_each_index(jobs, static_cast<int>(rated), stop, find_best));
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    const std::vector<ContinuumMember>& found = i < rated ? best[i] : members[i];
-    out.solutions.insert(out.solutions.end(), found.begin(), found.end());
+    const std::vector<ContinuumMember>& points = i < finished ? best[i] : collection.members_of(i);
+    out.solutions.insert(out.solutions.end(), points.begin(), points.end());
   }
   out.stopped = stop.reached();
   return out;

@@ -10,15 +10,21 @@ namespace stillbase {
 
 namespace {
 
+/// A solution, with the Jacobian of the equations and the objective vector there.
+struct Corrected {
+  Eigen::VectorXd x;
+  Eigen::MatrixXd J;
+};
+
 /// Newton's method within the plane through `x` normal to `normal`; empty: it did not converge.
-std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eigen::VectorXd& x,
-                                       const Eigen::VectorXd& normal, const CurveOptions& options) {
+std::optional<Corrected> correct(const Formulation& formulation, const Eigen::VectorXd& x,
+                                 const Eigen::VectorXd& normal, const CurveOptions& options) {
   Eigen::VectorXd at = x, r;
   Eigen::MatrixXd J;
   for (int iteration = 0; iteration < options.newton_steps; ++iteration) {
     evaluate_equations(formulation, at, true, r, J);
     if (!r.allFinite()) return std::nullopt;
-    if (r.cwiseAbs().maxCoeff() <= options.exact) return at;
+    if (r.cwiseAbs().maxCoeff() <= options.exact) return Corrected{at, J};
     Eigen::MatrixXd A(J.rows() + 1, J.cols());
     A << J, normal.transpose();
     Eigen::VectorXd b(r.size() + 1);
@@ -26,7 +32,8 @@ std::optional<Eigen::VectorXd> correct(const Formulation& formulation, const Eig
     at -= least_norm_solution(A, b, 1e-9);  // rows of a planar robot may vanish identically
   }
   evaluate_equations(formulation, at, true, r, J);
-  return r.cwiseAbs().maxCoeff() <= options.exact ? std::optional(at) : std::nullopt;
+  if (r.cwiseAbs().maxCoeff() <= options.exact) return Corrected{at, J};
+  return std::nullopt;
 }
 
 /// Whether the rotation angle of the base is at most pi: beyond it other variables say the same.
@@ -51,12 +58,14 @@ bool is_inside(const Formulation& formulation, const Eigen::VectorXd& x,
   return true;
 }
 
-/// The one open direction at x, in the sense of `like`.
-std::optional<Eigen::VectorXd> tangent_at(const Formulation& formulation, const Eigen::VectorXd& x,
-                                          const Eigen::VectorXd& like) {
-  const Eigen::MatrixXd open = open_directions(formulation, x, true);
-  if (open.cols() != 1) return std::nullopt;
-  const Eigen::VectorXd t = open.col(0);
+/// The one direction that the rows of J leave open, in the sense of `like`.
+std::optional<Eigen::VectorXd> tangent_along(const Eigen::MatrixXd& J, const Eigen::VectorXd& like,
+                                             const CurveOptions& options) {
+  constexpr double kNothing = 1e-12;  // slopes over typical sizes: only rounding is left
+  if (J.isZero(kNothing)) return std::nullopt;
+  const PivotedQr qr(J.transpose(), options.dependent);
+  if (J.cols() - qr.rank() != 1) return std::nullopt;
+  const Eigen::VectorXd t = qr.complement();
   return t.dot(like) < 0 ? Eigen::VectorXd(-t) : t;
 }
 
@@ -64,11 +73,15 @@ std::optional<Eigen::VectorXd> tangent_at(const Formulation& formulation, const 
 std::optional<CurvePoint> stepped(const Formulation& formulation, const CurvePoint& from, double h,
                                   const CurveOptions& options) {
   const Eigen::VectorXd ahead = from.x + h * from.tangent;
-  const auto x = correct(formulation, ahead, from.tangent, options);
-  if (!x || (*x - ahead).norm() > options.off_tangent * h) return std::nullopt;
-  const auto tangent = tangent_at(formulation, *x, from.tangent);
+  const auto there = from.bend.size() == 0 ? correct(formulation, ahead, from.tangent, options)
+                                           : correct(formulation, ahead + h * h / 2 * from.bend,
+                                                     from.tangent, options);
+  if (!there || (there->x - ahead).norm() > options.off_tangent * h) return std::nullopt;
+  const auto tangent = tangent_along(there->J, from.tangent, options);
   if (!tangent || tangent->dot(from.tangent) < options.turn_cosine) return std::nullopt;
-  return CurvePoint{*x, *tangent, from.arc + h};
+  Eigen::VectorXd bend = (*tangent - from.tangent) / h;
+  bend -= bend.dot(*tangent) * *tangent;
+  return CurvePoint{there->x, *tangent, from.arc + h, std::move(bend)};
 }
 
 /// Step along the tangent of `from` at which the curve passes through x, at most `longest`.
@@ -81,7 +94,8 @@ std::optional<double> step_to(const Formulation& formulation, const CurvePoint& 
   if ((d - h * from.tangent).norm() > options.off_tangent * h + options.same_point)
     return std::nullopt;
   const auto there = correct(formulation, from.x + h * from.tangent, from.tangent, options);
-  if (!there || formulation.difference(*there, x).norm() > options.same_point) return std::nullopt;
+  if (!there || formulation.difference(there->x, x).norm() > options.same_point)
+    return std::nullopt;
   return h;
 }
 
@@ -164,7 +178,10 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
 
 std::optional<SolutionCurve> trace_curve(const Formulation& formulation, const Eigen::VectorXd& x,
                                          const StopCondition& stop, const CurveOptions& options) {
-  const auto tangent = tangent_at(formulation, x, Eigen::VectorXd::Ones(x.size()));
+  Eigen::VectorXd r;
+  Eigen::MatrixXd J;
+  evaluate_equations(formulation, x, true, r, J);
+  const auto tangent = tangent_along(J, Eigen::VectorXd::Ones(x.size()), options);
   if (!tangent) return std::nullopt;
   const CurvePoint start{x, *tangent, 0};
   SolutionCurve curve;
@@ -221,9 +238,9 @@ Eigen::VectorXd point_at(const Formulation& formulation, const SolutionCurve& cu
       std::upper_bound(curve.points.begin(), curve.points.end(), arc,
                        [](double value, const CurvePoint& point) { return value < point.arc; });
   const CurvePoint& from = after == curve.points.begin() ? *after : *(after - 1);
-  const auto x =
+  const auto there =
       correct(formulation, from.x + (arc - from.arc) * from.tangent, from.tangent, options);
-  return x ? *x : from.x;
+  return there ? there->x : from.x;
 }
 
 }  // namespace stillbase

@@ -1,8 +1,8 @@
 // Curves of solutions: where the equations and the zeros of the objective leave one direction open.
 //
-// Followed by predictor and corrector: a step along the tangent, then Newton's method within the
-// plane normal to it (Keller's pseudo-arclength continuation; Allgower and Georg, Introduction to
-// Numerical Continuation Methods, SIAM 2003).
+// Followed by predictor and corrector: a step along the tangent and the bend of the step before,
+// then Newton's method within the plane normal to the tangent (Keller's pseudo-arclength
+// continuation; Allgower and Georg, Introduction to Numerical Continuation Methods, SIAM 2003).
 //
 // Assumptions: the curve is smooth and keeps away from points where a second direction opens; a
 // trace ends there and is marked as not complete, as where a free base is rotated by pi from its
@@ -22,6 +22,8 @@ struct CurvePoint {
   Eigen::VectorXd x;        ///< continuous angles are not wrapped
   Eigen::VectorXd tangent;  ///< unit, all in the sense of the points' order
   double arc = 0;           ///< sum of the steps before it
+  /// Change of the tangent per arc over the step that led here, normal to it; empty at the first.
+  Eigen::VectorXd bend = {};
 };
 
 struct SolutionCurve {

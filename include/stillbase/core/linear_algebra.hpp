@@ -5,6 +5,8 @@
 // tolerance.
 #pragma once
 
+#include <optional>
+
 #include <Eigen/QR>
 
 #include <stillbase/core/types.hpp>
@@ -67,10 +69,12 @@ Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& A, const Eigen::Vecto
 /// Pseudo-inverse with the rank decision of least_norm_solution().
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& A, double threshold);
 
-/// Householder QR with column pivoting, A P = Q R, of an m x k matrix; Eigen's rank decision.
+/// Householder QR with column pivoting, A P = Q R, of an m x k matrix.
 class PivotedQr {
  public:
-  explicit PivotedQr(const Eigen::MatrixXd& A);
+  /// @param threshold part of the largest pivot below which one counts as zero; without it the
+  /// rounding of the decomposition
+  explicit PivotedQr(const Eigen::MatrixXd& A, std::optional<double> threshold = {});
 
   Eigen::Index rank() const;
   /// Orthonormal basis (m x m - rank) of what is normal to all columns of A.

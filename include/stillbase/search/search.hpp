@@ -21,6 +21,7 @@ struct CurveOptions {
   int most_points = 4000;       ///< of one direction: 200 rad
   double exact = 1e-12;         ///< largest residual of a point, typical sizes
   int newton_steps = 8;         ///< from the tangent to the curve; they converge quadratically
+  double dependent = 1e-9;      ///< pivot of a row that is no more than those before it, relative
   double off_tangent = 0.2;     ///< of a step, what Newton's method may move it sideways
   double turn_cosine = 0.97;    ///< least cosine between neighbouring tangents: 14 deg
   double same_point = 1e-6;     ///< two points of a curve; far more than `exact` leaves open
