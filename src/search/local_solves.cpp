@@ -52,13 +52,23 @@ nlp::OptimizeOptions LocalSolves::brief_limits(int start) const {
 
 Solution LocalSolves::solve_by(const nlp::Optimizer& optimizer, const Eigen::VectorXd& x0,
                                const nlp::OptimizeOptions& limits, Calls& calls) const {
-  const Eigen::VectorXd x =
+  bool at_kink = false;  // of the last solve
+  const Eigen::VectorXd x = formulation_.normalised(
       solved_in_shortest_turns(formulation_, x0, [&](const Eigen::VectorXd& from) {
         ++calls[optimizer.info().name];
-        return looks_for_zeros_ ? minimize_to_zero(optimizer, formulation_, from, limits)
-                                : optimizer.minimize(formulation_, from, limits).x;
-      });
-  return polish(problem_, formulation_, judge(problem_, formulation_, formulation_.normalised(x)));
+        LocalEnd end;
+        if (looks_for_zeros_) {
+          end = minimize_to_zero(optimizer, formulation_, from, limits);
+        } else {
+          const nlp::OptimizeResult result = optimizer.minimize(formulation_, from, limits);
+          end = {result.x, result.at_kink};
+        }
+        at_kink = end.at_kink;
+        return end.x;
+      }));
+  Solution found = polish(problem_, formulation_, judge(problem_, formulation_, x));
+  found.at_kink = at_kink && formulation_.distance(found.x, x) <= options_.minima.same_minimum;
+  return found;
 }
 
 Solution LocalSolves::solve(const Eigen::VectorXd& x0, int start, Calls& calls) const {
@@ -71,7 +81,8 @@ Solution LocalSolves::minimum(const Eigen::VectorXd& x0, int start, Calls& calls
 }
 
 bool LocalSolves::stopped_short(const Solution& found) const {
-  return rescuer_ && found.violation <= kFeasibilityTolerance && !options_.stop.reached() &&
+  return rescuer_ && found.violation <= kFeasibilityTolerance && !found.at_kink &&
+         !options_.stop.reached() &&
          !is_stationary(formulation_, found.x, {.stationary = kOptimal});
 }
 

@@ -16,6 +16,8 @@ struct Solution {
   double violation = kInfinity;
   int reached = 1;
   int family = -1;  ///< the curve that it is on
+  /// The solver ended here at a kink of a constraint, as nlp::OptimizeResult::at_kink has it.
+  bool at_kink = false;
 
   double length() const { return std::sqrt(2 * objective); }  ///< |y|, in objective units
 };

@@ -84,9 +84,9 @@ std::optional<Eigen::VectorXd> zero_near(const Formulation& formulation, Eigen::
   return std::nullopt;
 }
 
-Eigen::VectorXd minimize_to_zero(const nlp::Optimizer& optimizer, const Formulation& formulation,
-                                 const Eigen::VectorXd& from, nlp::OptimizeOptions solve,
-                                 const ZeroOptions& options) {
+LocalEnd minimize_to_zero(const nlp::Optimizer& optimizer, const Formulation& formulation,
+                          const Eigen::VectorXd& from, nlp::OptimizeOptions solve,
+                          const ZeroOptions& options) {
   const Eigen::VectorXd lower = formulation.constraint_lower();
   const Eigen::VectorXd upper = formulation.constraint_upper();
   double next = options.near;  // objective of the next try
@@ -98,8 +98,8 @@ Eigen::VectorXd minimize_to_zero(const nlp::Optimizer& optimizer, const Formulat
     zero = zero_near(formulation, x, options);
     return zero.has_value();
   };
-  const Eigen::VectorXd end = optimizer.minimize(formulation, from, solve).x;
-  return zero.value_or(end);
+  const nlp::OptimizeResult end = optimizer.minimize(formulation, from, solve);
+  return zero ? LocalEnd{*zero, false} : LocalEnd{end.x, end.at_kink};
 }
 
 }  // namespace stillbase

@@ -31,11 +31,17 @@ struct ZeroOptions {
 std::optional<Eigen::VectorXd> zero_near(const Formulation& formulation, Eigen::VectorXd x,
                                          const ZeroOptions& options = {});
 
+/// Where a local solve ended.
+struct LocalEnd {
+  Eigen::VectorXd x;
+  bool at_kink = false;  ///< see nlp::OptimizeResult
+};
+
 /// What the optimizer leaves, or a zero that was found close to one of the points that it looked
 /// at.
 /// @param from inside the bounds
-Eigen::VectorXd minimize_to_zero(const nlp::Optimizer& optimizer, const Formulation& formulation,
-                                 const Eigen::VectorXd& from, nlp::OptimizeOptions solve,
-                                 const ZeroOptions& options = {});
+LocalEnd minimize_to_zero(const nlp::Optimizer& optimizer, const Formulation& formulation,
+                          const Eigen::VectorXd& from, nlp::OptimizeOptions solve,
+                          const ZeroOptions& options = {});
 
 }  // namespace stillbase

@@ -78,7 +78,7 @@ TEST_CASE("the largest of two values has no minimum at its kink") {
 TEST_CASE("a search does not go on from minima at kinks of the clearance") {
   const CaptureProblem problem = test::without_path("deos_latch");
   const Formulation formulation(problem);
-  int kinks = 0;
+  int kinks = 0, said = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     CAPTURE(seed);
     SearchOptions options;
@@ -91,6 +91,13 @@ TEST_CASE("a search does not go on from minima at kinks of the clearance") {
       LocalSolves::Calls calls;
       const Solution found = solves.solve(from, start, calls);
       if (found.violation > 1e-9) continue;
+      if (found.at_kink) {
+        ++said;
+        CHECK_FALSE(solves.stopped_short(found));
+        Solution elsewhere = found;
+        elsewhere.at_kink = false;
+        CHECK(solves.stopped_short(elsewhere) == !is_stationary(formulation, found.x));
+      }
       // By its residual alone a search would go on from there.
       if (nlp::certify(formulation, found.x).kkt_residual <= 1e-6) continue;
       if (!is_stationary(formulation, found.x)) continue;
@@ -102,6 +109,7 @@ TEST_CASE("a search does not go on from minima at kinks of the clearance") {
     }
   }
   CHECK(kinks > 0);
+  CHECK(said > 0);
 }
 
 }  // namespace stillbase

@@ -27,8 +27,8 @@ std::vector<Eigen::VectorXd> zeros_of(const Formulation& formulation, int starts
   for (int i = 0; i < starts; ++i) {
     const Eigen::VectorXd start =
         formulation.start_point(low_discrepancy_point(i, formulation.num_variables(), 7));
-    const Eigen::VectorXd end = minimize_to_zero(
-        *optimizer, formulation, project_onto_constraints(formulation, start, false, 15).x, solve);
+    const Eigen::VectorXd from = project_onto_constraints(formulation, start, false, 15).x;
+    const Eigen::VectorXd end = minimize_to_zero(*optimizer, formulation, from, solve).x;
     const ProjectionResult zero = project_onto_constraints(formulation, end, true, 20);
     if (zero.violation <= 1e-9) out.push_back(zero.x);
   }

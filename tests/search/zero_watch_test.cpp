@@ -36,7 +36,7 @@ TEST_CASE("solves after a latch end as they do, in fewer evaluations where they 
     const long before = formulation.evaluations();
     const nlp::OptimizeResult first = optimizer->minimize(formulation, from);
     const long between = formulation.evaluations();
-    const Eigen::VectorXd x = minimize_to_zero(*optimizer, formulation, from, {});
+    const Eigen::VectorXd x = minimize_to_zero(*optimizer, formulation, from, {}).x;
     if (first.objective < 1e-14) {
       alone += between - before;
       watched += formulation.evaluations() - between;
