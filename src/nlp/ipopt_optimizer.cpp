@@ -162,7 +162,7 @@ const char* text_of(Ipopt::ApplicationReturnStatus code) {
 constexpr Eigen::Index kMostUnknowns = 160;
 
 constexpr const char* kTuning =
-    "own dense linear solver up to 160 unknowns, tol 1e-10, constr_viol_tol 5e-10, acceptable_iter "
+    "tol 1e-10, constr_viol_tol 5e-10, acceptable_iter "
     "0, bound_relax_factor 0, mumps_mem_percent 10";
 
 class IpoptOptimizer final : public Optimizer {
@@ -209,7 +209,8 @@ class IpoptOptimizer final : public Optimizer {
          ok;
     // Each iteration evaluates at least one point, so that the monitor's budget ends first.
     ok = list.SetIntegerValue("max_iter", std::max(1, options.max_evaluations)) && ok;
-    if (options.library_defaults) return ok;
+    // Which one there is depends on how Ipopt was built: no option of the method, and the same with
+    // the library's own options.
     const bool is_own = unknowns <= kMostUnknowns && provides_linear_solver();
     ok = list.SetStringValue("linear_solver", is_own ? "ma27" : "mumps") && ok;
     if (is_own) {
@@ -220,6 +221,7 @@ class IpoptOptimizer final : public Optimizer {
       ok = list.SetNumericValue("ma27_pivtolmax", 1e-8) && ok;
       ok = list.SetNumericValue("ma27_la_init_factor", 1.0) && ok;
     }
+    if (options.library_defaults) return ok;
     // Room beyond MUMPS' estimate, in percent; default 1000, which a small problem spends more time
     // on allocating than on its numbers. Where it is too little Ipopt doubles it and repeats.
     ok = list.SetIntegerValue("mumps_mem_percent", 10) && ok;

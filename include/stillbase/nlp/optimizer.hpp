@@ -53,7 +53,8 @@ struct OptimizeOptions {
   /// it this often is in a loop that the evaluation budget alone would never end.
   int max_repeats_in_a_row = 1000;
   /// Leave the solver's options as its authors set them instead of OptimizerInfo::tuning: what a
-  /// user gets who does not read the manual. For comparisons.
+  /// user gets who does not read the manual. For comparisons. Ipopt's linear systems are solved as
+  /// always.
   bool library_defaults = false;
   /// At least 0, or minimize() throws std::invalid_argument. Inequalities that hold by more need no
   /// evaluation: see Evaluation::far, to which their rows of OptimizeResult::constraints are then
