@@ -66,14 +66,8 @@ class RecordingProgram final : public ForwardingProgram {
   Clock::time_point begin_ = Clock::now();
 };
 
-}  // namespace
-
-std::string label_of(const RunRequest& request) {
-  return request.optimizer + (request.library_defaults ? ":defaults" : "");
-}
-
-RunRecord empty_record(const BenchmarkInstance& instance, const RunRequest& request) {
-  const BenchmarkProgram program(instance);
+RunRecord empty_record_of(const BenchmarkProgram& program, const BenchmarkInstance& instance,
+                          const RunRequest& request) {
   RunRecord record;
   record.request = request;
   record.family = instance.family;
@@ -85,6 +79,16 @@ RunRecord empty_record(const BenchmarkInstance& instance, const RunRequest& requ
     record.options = request.library_defaults ? "" : optimizer->info().tuning;
   }
   return record;
+}
+
+}  // namespace
+
+std::string label_of(const RunRequest& request) {
+  return request.optimizer + (request.library_defaults ? ":defaults" : "");
+}
+
+RunRecord empty_record(const BenchmarkInstance& instance, const RunRequest& request) {
+  return empty_record_of(BenchmarkProgram(instance), instance, request);
 }
 
 Judged judge_point(const BenchmarkInstance& instance, const std::vector<double>& point) {
@@ -138,7 +142,7 @@ RunRecord run_benchmark(const BenchmarkInstance& instance, const RunRequest& req
   if (!optimizer) throw std::invalid_argument("no optimizer named " + request.optimizer);
   const auto begin = Clock::now();
   const BenchmarkProgram program(instance);
-  RunRecord record = empty_record(instance, request);
+  RunRecord record = empty_record_of(program, instance, request);
 
   BestPoint best;
   const RecordingProgram recorded(program, record, best);

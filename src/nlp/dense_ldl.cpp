@@ -14,27 +14,26 @@ using SquareMap = Eigen::Map<Eigen::MatrixXd>;
 // Where blocks of one and of two are equally good: (1 + sqrt(17)) / 8.
 constexpr double kAlpha = 0.6403882032022076;
 
-/// Largest entry of a column of what is left from row k on, but for the diagonal.
+/// Largest entry of a column of what is left from row k on, but for the diagonal. Of the symmetric
+/// matrix the lower triangle is read.
 struct ColumnMaximum {
   double value = 0;
   Eigen::Index row = 0;
 };
 
 ColumnMaximum largest_beside_diagonal(const SquareMap& A, Eigen::Index k, Eigen::Index column) {
-  const double* const entries = A.col(column).data();
   ColumnMaximum out{0, column};
+  for (Eigen::Index j = k; j < column; ++j) {
+    if (const double value = std::abs(A(column, j)); value > out.value) out = {value, j};
+  }
+  const Eigen::Index below = A.rows() - column - 1;
+  if (below == 0) return out;
   // The value first, without its place: that takes several entries at a time.
-  const auto look_at = [&](Eigen::Index begin, Eigen::Index end) {
-    if (begin == end) return;
-    const double largest = A.col(column).segment(begin, end - begin).cwiseAbs().maxCoeff();
-    if (!(largest > out.value)) return;
-    Eigen::Index row = begin;
-    while (row + 1 < end && std::abs(entries[row]) < largest) ++row;
-    out = {largest, row};
-  };
-  look_at(k, column);
-  look_at(column + 1, A.rows());
-  return out;
+  const double largest = A.col(column).tail(below).cwiseAbs().maxCoeff();
+  if (!(largest > out.value)) return out;
+  Eigen::Index row = column + 1;
+  while (row + 1 < A.rows() && std::abs(A(row, column)) < largest) ++row;
+  return {largest, row};
 }
 
 /// Rows of the next block, the second equal to the first for a block of one.
@@ -55,10 +54,16 @@ std::pair<Eigen::Index, Eigen::Index> choose_pivot(const SquareMap& A, Eigen::In
   return {i, i};
 }
 
+/// Exchanges two rows and columns in the lower triangle, with the rows of L before them.
 void exchange(DenseLdl& matrix, Eigen::Index a, Eigen::Index b) {
   if (a == b) return;
-  matrix.A.row(a).swap(matrix.A.row(b));
-  matrix.A.col(a).swap(matrix.A.col(b));
+  if (a > b) std::swap(a, b);
+  SquareMap& A = matrix.A;
+  for (Eigen::Index j = 0; j < a; ++j) std::swap(A(a, j), A(b, j));
+  for (Eigen::Index j = a + 1; j < b; ++j) std::swap(A(j, a), A(b, j));
+  const Eigen::Index below = A.rows() - b - 1;
+  A.col(a).tail(below).swap(A.col(b).tail(below));
+  std::swap(A(a, a), A(b, b));
   std::swap(matrix.scale[a], matrix.scale[b]);
   std::swap(matrix.order[a], matrix.order[b]);
 }
@@ -70,8 +75,10 @@ void equilibrate(DenseLdl& matrix) {
     for (Eigen::Index j = 0; j < A.cols(); ++j) {
       const double largest = A.col(j).cwiseAbs().maxCoeff();
       if (!(largest > 0)) continue;
-      // Powers of two, so that scaling rounds nothing.
-      const double factor = std::exp2(-std::round(std::log2(largest) / 2));
+      // The power of two next to 1 / sqrt(largest), so that scaling rounds nothing.
+      const int half = (std::ilogb(largest) + 1) >> 1;
+      if (half == 0) continue;
+      const double factor = std::ldexp(1.0, -half);
       A.col(j) *= factor;
       A.row(j) *= factor;
       matrix.scale[j] *= factor;
@@ -102,7 +109,8 @@ LdlInertia factorise(DenseLdl& matrix) {
       out.negative += d < 0;
       const double inverse = 1 / d;
       for (Eigen::Index j = 0; j < rest; ++j) {
-        if (L(j, 0) != 0) trailing.col(j) -= L.col(0) * (L(j, 0) * inverse);
+        if (L(j, 0) == 0) continue;
+        trailing.col(j).tail(rest - j) -= L.col(0).tail(rest - j) * (L(j, 0) * inverse);
       }
       L *= inverse;
     } else {
@@ -115,7 +123,8 @@ LdlInertia factorise(DenseLdl& matrix) {
       for (Eigen::Index j = 0; j < rest; ++j) {
         const double u = L(j, 0), v = L(j, 1);
         if (u == 0 && v == 0) continue;
-        trailing.col(j) -= L.col(0) * (scale * (c * u - v)) + L.col(1) * (scale * (a * v - u));
+        trailing.col(j).tail(rest - j) -= L.col(0).tail(rest - j) * (scale * (c * u - v)) +
+                                          L.col(1).tail(rest - j) * (scale * (a * v - u));
       }
       for (Eigen::Index j = 0; j < rest; ++j) {
         const double u = L(j, 0), v = L(j, 1);

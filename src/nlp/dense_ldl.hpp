@@ -12,7 +12,7 @@ namespace stillbase::nlp {
 
 /// What an owner of the memory has of the factors; all are written by factorise().
 struct DenseLdl {
-  Eigen::Map<Eigen::MatrixXd> A;      ///< (n x n) both triangles on entry; L and D afterwards
+  Eigen::Map<Eigen::MatrixXd> A;      ///< (n x n) both triangles on entry; L and D below
   Eigen::Map<Eigen::VectorXd> scale;  ///< (n)
   /// (n) row of the matrix behind each pivot; of a block of two, its one's complement.
   Eigen::Map<Eigen::VectorXi> order;
