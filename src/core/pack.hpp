@@ -75,13 +75,20 @@ class Pack {
   friend Pack operator-(const Pack& a, const Pack& b) { return Pack(a.v - b.v); }
   friend Pack operator*(const Pack& a, const Pack& b) { return Pack(a.v * b.v); }
   friend Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v / b.v); }
-  friend bool operator==(const Pack& a, const Pack& b) { return !(a != b); }
-  friend bool operator!=(const Pack& a, const Pack& b) {
-    const Bits differs = a.v != b.v;
-    std::int64_t any = 0;
-    for (int i = 0; i < N; ++i) any |= differs[i];
-    return any != 0;
+  /// Whether a bit is set in any lane.
+  static bool any(const Bits& bits) {
+    // Halves, until they fit into a general register.
+    if constexpr (N > 2) {
+      typename Register<N / 2>::Bits low, high;
+      std::memcpy(&low, &bits, sizeof(low));
+      std::memcpy(&high, reinterpret_cast<const char*>(&bits) + sizeof(low), sizeof(high));
+      return Pack<N / 2>::any(low | high);
+    } else {
+      return (bits[0] | bits[1]) != 0;
+    }
   }
+  friend bool operator==(const Pack& a, const Pack& b) { return !(a != b); }
+  friend bool operator!=(const Pack& a, const Pack& b) { return any(a.v != b.v); }
 
   friend Pack sqrt(const Pack& a) {
     Pack out;
@@ -152,8 +159,10 @@ class Pack {
     const Lanes c_x = odd ? sine : cosine;
     sine_of_x = Pack(negative_sine ? -s : s);
     cosine_of_x = Pack(negative_cosine ? -c_x : c_x);
+    const Bits is_far = (abs(x).v < kLargest) == 0;  // so is NaN
+    if (!any(is_far)) return;
     for (int i = 0; i < N; ++i) {
-      if (std::abs(x.v[i]) < kLargest) continue;  // not so for NaN
+      if (!is_far[i]) continue;
       sine_of_x.v[i] = std::sin(x.v[i]);
       cosine_of_x.v[i] = std::cos(x.v[i]);
     }

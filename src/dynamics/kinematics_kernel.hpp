@@ -5,6 +5,9 @@
 
 #include <cassert>
 #include <cmath>
+#include <type_traits>
+
+#include "core/sines.hpp"
 
 namespace stillbase {
 
@@ -36,6 +39,14 @@ Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
     const Coupling& coupling = robot.couplings[k];
     return phi[coupling.joint] * S(coupling.ratio) + S(coupling.offset);
   };
+  constexpr bool kAllAtOnce = std::is_same_v<S, double>;
+  BodyWorkspace<double, double> angle, sine, cosine;
+  if constexpr (kAllAtOnce) {
+    static_assert(kMaxJoints % kSinesAtOnce == 0);
+    for (int k = 0; k < kin.n; ++k) angle[k] = position(k);
+    for (int k = kin.n; k % kSinesAtOnce != 0; ++k) angle[k] = 0;
+    sines_and_cosines(angle.data(), kin.n, sine.data(), cosine.data());
+  }
   for (int k = 0; k < kin.n; ++k) {
     const Joint& joint = tree[k];
     const S phi_k = position(k);
@@ -53,7 +64,12 @@ Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
       o[k] += A.col(2) * phi_k;
     } else {
       S s, c;
-      sin_and_cos(phi_k, s, c);
+      if constexpr (kAllAtOnce) {
+        s = sine[k];
+        c = cosine[k];
+      } else {
+        sin_and_cos(phi_k, s, c);
+      }
       R[k].col(0) = A.col(0) * c + A.col(1) * s;
       R[k].col(1) = A.col(1) * c - A.col(0) * s;
       R[k].col(2) = A.col(2);
