@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cfenv>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -85,7 +85,9 @@ class IndexQueue {
 
 class ThreadCrew::Threads {
  public:
-  explicit Threads(int most) : most_(static_cast<std::size_t>(std::max(most, 0))) {}
+  explicit Threads(int most) : most_(static_cast<std::size_t>(std::max(most, 0))) {
+    threads_.reserve(most_);
+  }
   Threads(const Threads&) = delete;
   Threads& operator=(const Threads&) = delete;
   ~Threads() {
@@ -98,7 +100,7 @@ class ThreadCrew::Threads {
 
   /// Calls `work`, which does not throw, on this thread and on up to `helpers` others.
   void run(const std::function<void()>& work, int helpers) {
-    Job job{work, helpers};
+    Job job{work, helpers, std::fegetround()};
     {
       const std::lock_guard lock(mutex_);
       jobs_.push_back(&job);
@@ -117,7 +119,8 @@ class ThreadCrew::Threads {
  private:
   struct Job {
     const std::function<void()>& work;
-    int wanted;  ///< helpers that have not come yet
+    int wanted;    ///< helpers that have not come yet
+    int rounding;  ///< of the thread whose job it is
     int helped_by = 0;
   };
 
@@ -129,7 +132,7 @@ class ThreadCrew::Threads {
       for (; wanted > idle_ && threads_.size() < most_; ++idle_) {
         threads_.emplace_back([this] { help(); });
       }
-    } catch (const std::system_error&) {
+    } catch (const std::exception&) {  // system_error, bad_alloc
       // No more threads to be had: the result does not depend on their number.
     }
   }
@@ -148,6 +151,7 @@ class ThreadCrew::Threads {
       ++job.helped_by;
       --idle_;
       lock.unlock();
+      std::fesetround(job.rounding);
       job.work();
       lock.lock();
       ++idle_;

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cfenv>
+#include <initializer_list>
 
 namespace stillbase {
 

@@ -43,13 +43,12 @@ Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
   BodyWorkspace<double, double> angle, sine, cosine;
   if constexpr (kAllAtOnce) {
     static_assert(kMaxJoints % kSinesAtOnce == 0);
-    for (int k = 0; k < kin.n; ++k) angle[k] = position(k);
+    for (int k = 0; k < kin.n; ++k) angle[k] = tree[k].is_prismatic() ? 0 : position(k);
     for (int k = kin.n; k % kSinesAtOnce != 0; ++k) angle[k] = 0;
     sines_and_cosines(angle.data(), kin.n, sine.data(), cosine.data());
   }
   for (int k = 0; k < kin.n; ++k) {
     const Joint& joint = tree[k];
-    const S phi_k = position(k);
     Matrix3<S> A;
     if (joint.parent == kBase) {
       A = joint.R.template cast<S>();
@@ -61,14 +60,14 @@ Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
     }
     if (joint.is_prismatic()) {
       R[k] = A;
-      o[k] += A.col(2) * phi_k;
+      o[k] += A.col(2) * position(k);
     } else {
       S s, c;
       if constexpr (kAllAtOnce) {
         s = sine[k];
         c = cosine[k];
       } else {
-        sin_and_cos(phi_k, s, c);
+        sin_and_cos(position(k), s, c);
       }
       R[k].col(0) = A.col(0) * c + A.col(1) * s;
       R[k].col(1) = A.col(1) * c - A.col(0) * s;

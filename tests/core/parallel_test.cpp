@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <cfenv>
 #include <chrono>
 #include <mutex>
 #include <set>
@@ -173,4 +174,19 @@ TEST_CASE("a crew goes on after a failure and after a stop") {
     CHECK(for_each_index(4, 40, {}, [&](int i) { sum += i; }) == 40);
     CHECK(sum == 780);
   }
+}
+
+TEST_CASE("the threads of a crew round as the caller does") {
+  const ThreadCrew crew(3);
+  const int before = std::fegetround();
+  for (const int mode : {FE_UPWARD, before, FE_DOWNWARD, before}) {
+    std::fesetround(mode);
+    std::atomic<int> others{0};
+    for_each_index(3, 16, {}, [&](int) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (std::fegetround() != mode) ++others;
+    });
+    CHECK(others == 0);
+  }
+  std::fesetround(before);
 }

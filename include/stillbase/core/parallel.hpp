@@ -22,8 +22,8 @@ inline int jobs_or_processors(int jobs) { return jobs > 0 ? jobs : processor_cou
 /// calls, and a thread takes longer to begin than some of them.
 ///
 /// While it exists, calls on the thread that made it, and on its threads, are helped by at most
-/// `jobs - 1` threads in all, which begin when first wanted. Inside another crew, and
-/// for one job, it does nothing.
+/// `jobs - 1` threads in all, which begin when first wanted and round as the caller does. Inside
+/// another crew, and for one job, it does nothing. A process that is forked has none of them.
 class ThreadCrew {
  public:
   explicit ThreadCrew(int jobs);
@@ -42,13 +42,13 @@ class ThreadCrew {
 
 /// Calls work(i) once for every i of 0 .. count - 1 on at most `jobs` threads, of which the
 /// caller's is one, and take(i) as soon as all up to i were worked on: in order, one at a time, on
-/// any of the threads. The threads are those of a ThreadCrew, or begin and end with the call. With
-/// one job everything happens on the caller's thread: work(0), take(0),
+/// any of the threads. These are those of a ThreadCrew, or begin and end with the call. With one
+/// job everything happens on the caller's thread: work(0), take(0),
 /// work(1), ...
 /// @param stop reached: no further index is begun; those that were begun are taken as well
 /// @return how many were taken; less than `count` when stopped
-/// @throws what work() or take() throws; of several the one with the lowest index, when all threads
-/// have ended
+/// @throws what work() or take() throws; of several the one with the lowest index, when no
+/// thread works on it any more
 int for_each_index(int jobs, int count, const StopCondition& stop,
                    const std::function<void(int)>& work, const std::function<void(int)>& take = {});
 
