@@ -228,6 +228,7 @@ class CurveCollection {
   /// What is to be found out about a solution, on any thread.
   struct Found {
     ContinuumMember solution;
+    bool vanishes = false;
     std::size_t looked_at = 0;           ///< curves on which it was looked for
     std::optional<SolutionCurve> curve;  ///< through it, where it is on none of those
   };
@@ -235,7 +236,8 @@ class CurveCollection {
     Found out;
     solution.x = in_shortest_turns(formulation_, solution.x, options_.curve.other_turn);
     out.solution = solution;
-    if (!vanishes(formulation_, solution.x, options_.zero)) return out;
+    out.vanishes = vanishes(formulation_, solution.x, options_.zero);
+    if (!out.vanishes) return out;
     {
       const std::lock_guard lock(mutex_);
       out.looked_at = curves_.size();
@@ -249,14 +251,12 @@ class CurveCollection {
   /// In the order of the solutions, one at a time.
   void take(Found found) {
     ContinuumMember& solution = found.solution;
-    if (found.curve) {
-      place(solution, found.looked_at, curves_.size());
-      if (solution.family < 0) {
-        solution.family = static_cast<int>(curves_.size());
-        const std::lock_guard lock(mutex_);
-        curves_.push_back(std::move(*found.curve));
-        members_.emplace_back();
-      }
+    if (found.vanishes) place(solution, found.looked_at, curves_.size());
+    if (found.curve && solution.family < 0) {
+      solution.family = static_cast<int>(curves_.size());
+      const std::lock_guard lock(mutex_);
+      curves_.push_back(std::move(*found.curve));
+      members_.emplace_back();
     }
     if (solution.family < 0) {
       alone_.push_back(solution);
@@ -308,7 +308,7 @@ Continua follow_continua(const CaptureProblem& problem, const Formulation& formu
       },
       [&](int i) { collection.take(std::move(*found[static_cast<std::size_t>(i)])); });
   for (auto i = static_cast<std::size_t>(looked_at); i < solutions.size(); ++i) {
-    collection.take({solutions[i], 0, std::nullopt});
+    collection.take(collection.look_at(solutions[i]));  // traces none after a stop
   }
 
   Continua out;

@@ -30,7 +30,7 @@ struct Continua {
 /// open.
 /// @param is_free may be empty; else the minima over the part of each curve where it holds are kept
 /// as well (reached: 0 where they are no minima of the whole curve); several threads may call it
-/// @param jobs threads, each for another curve
+/// @param jobs threads, each for another solution, then for another point of a curve
 Continua follow_continua(const CaptureProblem& problem, const Formulation& formulation,
                          const std::vector<ContinuumMember>& solutions,
                          const std::function<bool(const Configuration&)>& is_free,

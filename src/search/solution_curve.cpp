@@ -62,7 +62,9 @@ bool is_inside(const Formulation& formulation, const Eigen::VectorXd& x,
 std::optional<Eigen::VectorXd> tangent_along(const Eigen::MatrixXd& J, const Eigen::VectorXd& like,
                                              const CurveOptions& options) {
   constexpr double kNothing = 1e-12;  // slopes over typical sizes: only rounding is left
-  if (J.isZero(kNothing)) return std::nullopt;
+  if (J.isZero(kNothing)) {
+    return J.cols() == 1 ? std::optional<Eigen::VectorXd>(like.cwiseSign()) : std::nullopt;
+  }
   const PivotedQr qr(J.transpose(), options.dependent);
   if (J.cols() - qr.rank() != 1) return std::nullopt;
   const Eigen::VectorXd t = qr.complement();

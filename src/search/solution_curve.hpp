@@ -22,7 +22,8 @@ struct CurvePoint {
   Eigen::VectorXd x;        ///< continuous angles are not wrapped
   Eigen::VectorXd tangent;  ///< unit, all in the sense of the points' order
   double arc = 0;           ///< sum of the steps before it
-  /// Change of the tangent per arc over the step that led here, normal to it; empty at the first.
+  /// Change of the tangent per arc over the step that led here, normal to it, for the step that
+  /// follows; empty at the first, and at all points of an open curve.
   Eigen::VectorXd bend = {};
 };
 
