@@ -4,12 +4,13 @@ namespace stillbase::nlp {
 
 namespace {
 
-/// Length of the change of a normal from a to b; 0 where it is small beside that at b, or where
-/// that is not known (Evaluation::far).
+/// Length of the change of a normal from a to b; 0 where it is small beside that at b, or where one
+/// of them is not known (Evaluation::far).
 double turn_of(const Side& side, const SqpPoint& a, const SqpPoint& b) {
-  const Eigen::VectorXd there = normal(side, b);
-  const double length = there.norm(), turned = (normal(side, a) - there).norm();
-  return length > 0 && turned > kKinks.turned * length ? turned : 0;
+  const Eigen::VectorXd here = normal(side, a), there = normal(side, b);
+  if (here.isZero(0) || there.isZero(0)) return 0;
+  const double turned = (here - there).norm();
+  return turned > kKinks.turned * there.norm() ? turned : 0;
 }
 
 }  // namespace

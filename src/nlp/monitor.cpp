@@ -192,11 +192,13 @@ void Monitor::complete_best() noexcept {
   }
 }
 
-void Monitor::prefer(const Eigen::VectorXd& x, const Eigen::VectorXd& multipliers) {
+bool Monitor::prefer(const Eigen::VectorXd& x, const Eigen::VectorXd& multipliers) {
   const Point* point = find_known(x);
-  if (point == nullptr || !point->valid || !point->feasible) return;
+  if (point == nullptr || !point->valid || !point->feasible) return false;
   const double limit = as_good_as(best_.evaluation.objective, multipliers, options_);
-  if (point->evaluation.objective <= limit) best_ = *point;
+  if (!(point->evaluation.objective <= limit)) return false;
+  best_ = *point;
+  return true;
 }
 
 double Monitor::rejection_value() const {

@@ -57,7 +57,8 @@ class Monitor {
   }
 
   /// Takes a point that was just evaluated for the best one, where it is as good.
-  void prefer(const Eigen::VectorXd& x, const Eigen::VectorXd& multipliers);
+  /// @return whether it is the best one now
+  bool prefer(const Eigen::VectorXd& x, const Eigen::VectorXd& multipliers);
 
   /// A finite objective worse than all seen, for solvers that cannot take a refusal or infinity.
   double rejection_value() const;

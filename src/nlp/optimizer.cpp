@@ -238,6 +238,7 @@ OptimizeResult Optimizer::minimize(const Problem& problem, const Eigen::VectorXd
                                               : certify(problem, monitor.best_x(), monitor.best()),
              options);
   prefer_certified(result, monitor, options);
+  result.at_kink = result.at_kink && result.x == monitor.best_x();
   judge(result, problem, options);
   return result;
 }

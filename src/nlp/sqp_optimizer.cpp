@@ -117,6 +117,7 @@ class Descent {
     }
   }
 
+  bool result_is_there() const { return result_is_there_; }
   bool is_off(double tolerance) const { return watch_.is_off(tolerance); }
 
  private:
@@ -162,7 +163,7 @@ class Descent {
       are_kinks = false;
       cuts_.forget(*cut);
     }
-    if (are_kinks) monitor_.prefer(here_.x, sums_);
+    if (are_kinks) result_is_there_ = monitor_.prefer(here_.x, sums_);
     return are_kinks;
   }
 
@@ -323,11 +324,14 @@ class Descent {
       is_known_better = cuts_.take(i, here_, trial_) || is_known_better;
     }
     if (!is_known_better) return false;
-    const Eigen::VectorXd step = step_, multipliers = multipliers_;
+    const Eigen::VectorXd step = step_, multipliers = multipliers_, sums = sums_;
+    const Eigen::VectorXd penalties = penalties_;
     const double relaxed = relaxed_;
     if (find_step() && merit_slope() < 0) return true;
     step_ = step;
     multipliers_ = multipliers;
+    sums_ = sums;
+    penalties_ = penalties;
     relaxed_ = relaxed;
     return false;
   }
@@ -374,7 +378,8 @@ class Descent {
   KinkCuts cuts_;
   Eigen::MatrixXd B_;
   double first_step_ = 1, relaxed_ = 0;
-  int hidden_ = 0;  ///< steps whose change is lost in rounding
+  int hidden_ = 0;                ///< steps whose change is lost in rounding
+  bool result_is_there_ = false;  ///< the monitor's best point is where it ended
   StuckWatch watch_;
 };
 
@@ -403,7 +408,7 @@ class Sqp final : public Optimizer {
                                              "minimum at a kink"};  // in the order of Ended
     out.code = static_cast<int>(ended);
     out.status = kWords[out.code];
-    out.at_kink = ended == Ended::Kink;
+    out.at_kink = ended == Ended::Kink && descent.result_is_there();
     return out;
   }
 };
