@@ -162,8 +162,8 @@ const char* text_of(Ipopt::ApplicationReturnStatus code) {
 constexpr Eigen::Index kMostUnknowns = 160;
 
 constexpr const char* kTuning =
-    "tol 1e-10, constr_viol_tol 5e-10, acceptable_iter "
-    "0, bound_relax_factor 0, mumps_mem_percent 10";
+    "tol 1e-10, constr_viol_tol 5e-10, acceptable_iter 0, bound_relax_factor 0, "
+    "mumps_mem_percent 10";
 
 class IpoptOptimizer final : public Optimizer {
  public:

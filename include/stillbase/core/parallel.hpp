@@ -37,18 +37,17 @@ class ThreadCrew {
                             const std::function<void(int)>& work,
                             const std::function<void(int)>& take);
   class Threads;
-  std::unique_ptr<Threads> threads_;  ///< null inside another crew
+  std::unique_ptr<Threads> threads_;  ///< null inside another crew, and for one job
 };
 
 /// Calls work(i) once for every i of 0 .. count - 1 on at most `jobs` threads, of which the
 /// caller's is one, and take(i) as soon as all up to i were worked on: in order, one at a time, on
 /// any of the threads. These are those of a ThreadCrew, or begin and end with the call. With one
-/// job everything happens on the caller's thread: work(0), take(0),
-/// work(1), ...
+/// job everything happens on the caller's thread: work(0), take(0), work(1), ...
 /// @param stop reached: no further index is begun; those that were begun are taken as well
 /// @return how many were taken; less than `count` when stopped
-/// @throws what work() or take() throws; of several the one with the lowest index, when no
-/// thread works on it any more
+/// @throws what work() or take() throws; of several the one with the lowest index, when no thread
+/// works on it any more
 int for_each_index(int jobs, int count, const StopCondition& stop,
                    const std::function<void(int)>& work, const std::function<void(int)>& take = {});
 
