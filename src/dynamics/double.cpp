@@ -1,4 +1,6 @@
 // The templates of the room, compiled for double.
+#include <cassert>
+
 #include "dynamics/articulated_body_kernel.hpp"
 #include "dynamics/bias_kernel.hpp"
 #include "dynamics/inertia_factor_kernel.hpp"
@@ -6,12 +8,78 @@
 #include "dynamics/kinematics_kernel.hpp"
 #include "dynamics/momentum_kernel.hpp"
 
+#include "dynamics/wide_kernel.hpp"
+
 namespace stillbase {
 
-template Kinematics<double> compute_kinematics(const RobotModel&, const JointVectord&);
+namespace {
+
+const WideKernel& wide_kernel() {
+  static const WideKernel& widest = []() -> const WideKernel& {
+    const WideKernel* wide = wide_kernel_avx2();
+    return wide != nullptr && wide->runs_here() ? *wide : *wide_kernel_any_machine();
+  }();
+  return widest;
+}
+
+bool is_wide(const RobotModel& robot) {
+  return robot.num_bodies() > 0 && robot.num_bodies() <= kWideBodies;
+}
+
+Kinematics<double> kinematics_in_registers(const RobotModel& robot, const JointVectord& phi) {
+  assert(phi.size() == robot.n());
+  Kinematics<double> kin;
+  kin.n = robot.num_bodies();
+  kin.R.resize(kin.n);
+  kin.o.resize(kin.n);
+  kin.c.resize(kin.n);
+  BodyWorkspace<double, double> position, angle, sine, cosine;
+  const std::vector<Joint>& tree = robot.tree();
+  for (int k = 0; k < kin.n; ++k) {
+    position[k] = kernel::joint_position<double>(robot, phi, k);
+    angle[k] = tree[k].is_prismatic() ? 0 : position[k];
+  }
+  for (int k = kin.n; k % kSinesAtOnce != 0; ++k) angle[k] = 0;
+  sines_and_cosines(angle.data(), kin.n, sine.data(), cosine.data());
+  wide_kernel().kinematics(robot, position.data(), sine.data(), cosine.data(),
+                           {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()});
+  kernel::place_hand(robot, kin);
+  return kin;
+}
+
+InertiaMatrices<double> inertia_in_registers(const RobotModel& robot,
+                                             const Kinematics<double>& kin) {
+  static_assert(sizeof(RigidInertia<double>) == 13 * sizeof(double));
+  const int n = kin.n;
+  InertiaMatrices<double> out;
+  out.I.resize(n);
+  out.subtree.resize(n);
+  out.H_bphi.resize(6, n);
+  out.H_phi.resize(n, n);
+  RigidInertia<double> total;
+  wide_kernel().inertia(
+      robot, {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()},
+      {out.I.data()->data(), &out.subtree[0].m, out.H_bphi.data(), out.H_phi.data(), &total.m});
+  kernel::describe_whole(total, out);
+  return out;
+}
+
+}  // namespace
+
+template <>
+Kinematics<double> compute_kinematics(const RobotModel& robot, const JointVectord& phi) {
+  return is_wide(robot) ? kinematics_in_registers(robot, phi)
+                        : kernel::kinematics<double>(robot, phi);
+}
+
 template HandJacobian<double> compute_hand_jacobian(const RobotModel&, const Kinematics<double>&);
 
-template InertiaMatrices<double> compute_inertia(const RobotModel&, const Kinematics<double>&);
+template <>
+InertiaMatrices<double> compute_inertia(const RobotModel& robot, const Kinematics<double>& kin) {
+  return is_wide(robot) && !robot.is_coupled() ? inertia_in_registers(robot, kin)
+                                               : kernel::inertia<double>(robot, kin);
+}
+
 template TildeInertia<double> compute_tilde_inertia(const InertiaMatrices<double>&);
 template HatInertia<double> compute_hat_inertia(const InertiaMatrices<double>&,
                                                 const HandJacobian<double>&);

@@ -38,6 +38,14 @@ enum class InertiaParts {
   Coupling  ///< H_phi is left empty
 };
 
+/// What the whole robot as one body says.
+template <class S>
+void describe_whole(const RigidInertia<S>& total, InertiaMatrices<S>& out) {
+  out.mass = total.m;
+  out.r_bg = total.h / total.m;
+  out.H_b = spatial_inertia(total);
+}
+
 template <class S, InertiaParts parts = InertiaParts::All, class Robot>
 InertiaMatrices<S> inertia(const Robot& robot, const Kinematics<S>& kin) {
   constexpr bool has_arm = parts == InertiaParts::All;
@@ -102,9 +110,7 @@ InertiaMatrices<S> inertia(const Robot& robot, const Kinematics<S>& kin) {
     (joint.parent == kBase ? total : subtrees[joint.parent]).add(subtree);
   }
 
-  out.mass = total.m;
-  out.r_bg = total.h / total.m;
-  out.H_b = spatial_inertia(total);
+  describe_whole(total, out);
   return out;
 }
 

@@ -23,6 +23,27 @@ void sin_and_cos(const S& x, S& sine, S& cosine) {
 // robots with mass properties of another number type (simulation/lane_robot.hpp).
 namespace kernel {
 
+/// Of the joint that moves body k.
+template <class S, class Robot>
+S joint_position(const Robot& robot, const JointVector<S>& phi, int k) {
+  if (!robot.is_coupled()) return phi[k];
+  const Coupling& coupling = robot.couplings[k];
+  return phi[coupling.joint] * S(coupling.ratio) + S(coupling.offset);
+}
+
+/// The hand's frame, of poses that are known.
+template <class S, class Robot>
+void place_hand(const Robot& robot, Kinematics<S>& kin) {
+  if (robot.hand_body == kBase) {
+    kin.R_hand = robot.R_hand.template cast<S>();
+    kin.r_bh = robot.p_hand.template cast<S>();
+  } else {
+    kin.R_hand.noalias() = kin.R[robot.hand_body] * robot.R_hand.template cast<S>();
+    kin.r_bh = kin.o[robot.hand_body];
+    kin.r_bh.noalias() += kin.R[robot.hand_body] * robot.p_hand.template cast<S>();
+  }
+}
+
 template <class S, class Robot>
 Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
   assert(phi.size() == robot.n());
@@ -34,11 +55,7 @@ Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
   Matrix3<S>* const R = kin.R.data();
   Vector3<S>* const o = kin.o.data();
   const std::vector<Joint>& tree = robot.tree();
-  const auto position = [&robot, &phi](int k) -> S {
-    if (!robot.is_coupled()) return phi[k];
-    const Coupling& coupling = robot.couplings[k];
-    return phi[coupling.joint] * S(coupling.ratio) + S(coupling.offset);
-  };
+  const auto position = [&robot, &phi](int k) { return joint_position<S>(robot, phi, k); };
   constexpr bool kAllAtOnce = std::is_same_v<S, double>;
   BodyWorkspace<double, double> angle, sine, cosine;
   if constexpr (kAllAtOnce) {
@@ -76,14 +93,7 @@ Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
     kin.c[k] = o[k];
     kin.c[k].noalias() += R[k] * robot.bodies[k].centroid.template cast<S>();
   }
-  if (robot.hand_body == kBase) {
-    kin.R_hand = robot.R_hand.template cast<S>();
-    kin.r_bh = robot.p_hand.template cast<S>();
-  } else {
-    kin.R_hand.noalias() = kin.R[robot.hand_body] * robot.R_hand.template cast<S>();
-    kin.r_bh = kin.o[robot.hand_body];
-    kin.r_bh.noalias() += kin.R[robot.hand_body] * robot.p_hand.template cast<S>();
-  }
+  place_hand(robot, kin);
   return kin;
 }
 

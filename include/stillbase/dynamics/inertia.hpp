@@ -39,6 +39,9 @@ struct InertiaMatrices {
 /// minus.
 template <class S>
 InertiaMatrices<S> compute_inertia(const RobotModel& robot, const Kinematics<S>& kinematics);
+template <>
+InertiaMatrices<double> compute_inertia(const RobotModel& robot,
+                                        const Kinematics<double>& kinematics);
 
 /// Base translation eliminated ("tilde"), (2) and (8).
 template <class S>

@@ -29,5 +29,7 @@ struct Kinematics {
 /// @param phi joint positions (n), rad or m; finite
 template <class S>
 Kinematics<S> compute_kinematics(const RobotModel& robot, const JointVector<S>& phi);
+template <>
+Kinematics<double> compute_kinematics(const RobotModel& robot, const JointVectord& phi);
 
 }  // namespace stillbase

@@ -1,0 +1,19 @@
+#ifdef __AVX2__
+#include "dynamics/wide_vectors.hpp"
+#else
+#include "dynamics/wide_kernel.hpp"
+#endif
+
+namespace stillbase {
+
+const WideKernel* wide_kernel_avx2() {
+#ifdef __AVX2__
+  static constinit const WideKernel kernel = {[] { return __builtin_cpu_supports("avx2") != 0; },
+                                              wide_kinematics, wide_inertia};
+  return &kernel;
+#else
+  return nullptr;
+#endif
+}
+
+}  // namespace stillbase

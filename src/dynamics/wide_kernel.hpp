@@ -1,0 +1,49 @@
+// The dynamics of a robot on doubles, with vectors of three numbers in wide registers.
+//
+// A single posture keeps a processor waiting: each rotation takes the one before. With a vector per
+// instruction there is a third of them. No products are fused with sums, so that the digits are the
+// same on every machine. What this header names takes plain numbers: the source files for wide
+// registers share no inline function on doubles with the rest of the program.
+#pragma once
+
+#include <stillbase/robot/robot_model.hpp>
+
+namespace stillbase {
+
+/// Robots with more bodies have no wide kernel.
+inline constexpr int kWideBodies = kJointsInPlace<double>;
+
+/// Where compute_kinematics() writes: 9 numbers per body, column by column, 3 and 3.
+struct WidePoses {
+  double *R, *o, *c;
+};
+
+/// Poses that are known.
+struct KnownWidePoses {
+  const double *R, *o, *c;
+};
+
+/// Where compute_inertia() writes.
+struct WideInertia {
+  double* I;        ///< 9 per body
+  double* subtree;  ///< 13 per body: m, h, I
+  double* H_bphi;   ///< 6 n
+  double* H_phi;    ///< n n
+  double* total;    ///< 13: m, h, I of the whole robot
+};
+
+/// Of robots with 1 to kWideBodies bodies.
+struct WideKernel {
+  bool (*runs_here)();  ///< on this processor
+  /// @param positions, sine, cosine of the joint of each body
+  void (*kinematics)(const RobotModel& robot, const double* positions, const double* sine,
+                     const double* cosine, const WidePoses& out);
+  /// Without couplings.
+  void (*inertia)(const RobotModel& robot, const KnownWidePoses& poses, const WideInertia& out);
+};
+
+/// Null where the compiler has no such registers.
+const WideKernel* wide_kernel_avx2();
+const WideKernel* wide_kernel_any_machine();
+
+}  // namespace stillbase

@@ -1,0 +1,141 @@
+// The kernel in wide registers against the templates.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "dynamics/inertia_kernel.hpp"
+#include "dynamics/kinematics_kernel.hpp"
+#include "dynamics/wide_kernel.hpp"
+#include "support/random_robot.hpp"
+
+namespace stillbase {
+
+namespace {
+
+/// What a kernel computes of a posture.
+struct Wide {
+  std::vector<double> R, o, c, I, subtree, H_bphi, H_phi, total;
+
+  Wide(const WideKernel& kernel, const RobotModel& robot, const JointVectord& phi, double mark = 0)
+      : Wide(static_cast<std::size_t>(robot.n()), mark) {
+    const std::vector<double> positions(phi.begin(), phi.end());
+    std::vector<double> sine, cosine;
+    for (const double angle : phi) {
+      sine.push_back(std::sin(angle));
+      cosine.push_back(std::cos(angle));
+    }
+    kernel.kinematics(robot, positions.data(), sine.data(), cosine.data(),
+                      {R.data(), o.data(), c.data()});
+    kernel.inertia(robot, {R.data(), o.data(), c.data()},
+                   {I.data(), subtree.data(), H_bphi.data(), H_phi.data(), total.data()});
+  }
+  std::vector<std::vector<double>> all() const {
+    return {R, o, c, I, subtree, H_bphi, H_phi, total};
+  }
+
+ private:
+  /// With room for four more numbers everywhere.
+  Wide(std::size_t n, double mark)
+      : R(9 * n + 4, mark),
+        o(3 * n + 4, mark),
+        c(o),
+        I(R),
+        subtree(13 * n + 4, mark),
+        H_bphi(6 * n + 4, mark),
+        H_phi(n * n + 4, mark),
+        total(13 + 4, mark) {}
+};
+
+JointVectord random_positions(Random& random, int n) {
+  JointVectord phi(n);
+  for (double& angle : phi) angle = random.uniform(-4, 4);
+  return phi;
+}
+
+/// Drives on some joints.
+RobotModel random_robot_with_drives(Random& random, int n, bool is_tree) {
+  RobotModel robot = random_robot(random, n, is_tree);
+  for (int k = 0; k < n; k += 3) {
+    robot.joints[static_cast<std::size_t>(k)].rotor_inertia = 1e-3;
+    robot.joints[static_cast<std::size_t>(k)].gear_ratio = 40;
+  }
+  return robot;
+}
+
+}  // namespace
+
+TEST_CASE("wide registers give the same digits on every machine") {
+  const WideKernel* wide = wide_kernel_avx2();
+  if (wide == nullptr || !wide->runs_here()) {
+    WARN("no registers of four numbers here");
+    return;
+  }
+  Random random(91);
+  for (int trial = 0; trial < 400; ++trial) {
+    const int n = 1 + trial % kWideBodies;
+    const RobotModel robot = random_robot_with_drives(random, n, trial % 2 == 0);
+    const JointVectord phi = random_positions(random, n);
+    INFO("trial " << trial << ", " << n << " joints");
+    CHECK(Wide(*wide, robot, phi).all() == Wide(*wide_kernel_any_machine(), robot, phi).all());
+  }
+}
+
+TEST_CASE("wide registers give what the templates do") {
+  Random random(90);
+  double worst = 0;
+  const auto compare = [&worst](const auto& a, const auto& b) {
+    REQUIRE(a.size() == b.size());
+    const double size = b.cwiseAbs().maxCoeff();
+    if (size > 0) worst = std::max(worst, (a - b).cwiseAbs().maxCoeff() / size);
+  };
+  for (int trial = 0; trial < 400; ++trial) {
+    const int n = 1 + trial % kWideBodies;
+    const RobotModel robot = random_robot_with_drives(random, n, trial % 2 == 0);
+    const JointVectord phi = random_positions(random, n);
+    const Kinematics<double> kin = compute_kinematics<double>(robot, phi);
+    const Kinematics<double> plain = kernel::kinematics<double>(robot, phi);
+    CHECK(kin.n == n);
+    const InertiaMatrices<double> inertia = compute_inertia<double>(robot, kin);
+    const InertiaMatrices<double> expected = kernel::inertia<double>(robot, plain);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+      compare(kin.R[k], plain.R[k]);
+      compare(kin.o[k], plain.o[k]);
+      compare(kin.c[k], plain.c[k]);
+      compare(inertia.I[k], expected.I[k]);
+      CHECK(inertia.subtree[k].m == Approx(expected.subtree[k].m).epsilon(1e-14));
+      compare(inertia.subtree[k].h, expected.subtree[k].h);
+      compare(inertia.subtree[k].I, expected.subtree[k].I);
+    }
+    compare(kin.R_hand, plain.R_hand);
+    compare(kin.r_bh, plain.r_bh);
+    CHECK(inertia.mass == Approx(expected.mass).epsilon(1e-14));
+    compare(inertia.r_bg, expected.r_bg);
+    compare(inertia.H_b, expected.H_b);
+    compare(inertia.H_bphi, expected.H_bphi);
+    compare(inertia.H_phi, expected.H_phi);
+    CHECK(inertia.H_phi == inertia.H_phi.transpose());
+    // Nothing between joints of different branches.
+    CHECK((inertia.H_phi.array() == 0).count() == (expected.H_phi.array() == 0).count());
+  }
+  CHECK(worst < 1e-13);
+}
+
+TEST_CASE("the wide kernel writes all that it computes and nothing beyond") {
+  constexpr double kMark = 4711;
+  Random random(92);
+  for (const WideKernel* wide : {wide_kernel_avx2(), wide_kernel_any_machine()}) {
+    if (wide == nullptr || !wide->runs_here()) continue;
+    for (int n = 1; n <= kWideBodies; ++n) {
+      const RobotModel robot = random_robot(random, n, false);
+      INFO(n << " joints");
+      for (const auto& out : Wide(*wide, robot, random_positions(random, n), kMark).all()) {
+        CHECK(std::count(out.end() - 4, out.end(), kMark) == 4);
+        CHECK(std::count(out.begin(), out.end() - 4, kMark) == 0);
+      }
+    }
+  }
+}
+
+}  // namespace stillbase
