@@ -1,4 +1,4 @@
-// The maxima of |y| over the cone of directions: a scan, then a climb from the best places.
+// The maxima of |y| over the cone of directions: a scan, then a climb from its peaks.
 #pragma once
 
 #include <vector>
@@ -22,12 +22,15 @@ class ConeSearch {
  private:
   /// Rings about the nominal direction, or a row in the wedge.
   void scan(const DirectionModel& model);
+  /// Whether no neighbour of the i-th place has a larger value.
+  bool is_peak(std::size_t i) const;
 
   std::vector<Eigen::Vector2d> polar_;  ///< cosine and sine of each ring's angle
-  std::vector<Eigen::Vector2d> grid_;
+  std::vector<Eigen::Vector2d> grid_;   ///< the middle, then spoke by spoke
+  std::size_t rings_ = 0;               ///< places on a spoke; 0: a row
   std::vector<Vector3d> directions_;
   std::vector<double> values_;
-  std::vector<ConePlace> seeds_, found_;
+  std::vector<ConePlace> peaks_, seeds_, found_;
 };
 
 }  // namespace stillbase

@@ -11,6 +11,16 @@ namespace {
 
 double positive_part(double x) { return std::max(x, 0.0); }
 
+/// The response to no impulse.
+ImpactResponse<double> no_response(const PostureImpact<double>& posture) {
+  return {.F = Vector6d::Zero(),
+          .d = {Vector6d::Zero(), JointVectord::Zero(posture.jacobian.J_phi.cols())},
+          .total = Vector3d::Zero(),
+          .base = Vector3d::Zero(),
+          .hand_inverse_mass = 0,
+          .held_momentum = Vector6d::Zero()};
+}
+
 }  // namespace
 
 DirectionModel::DirectionModel(const CaptureProblem& p, const Formulation& formulation,
@@ -43,12 +53,13 @@ void DirectionModel::move_to(const Encounter<double>& there, const PostureImpact
       *whole_square += JumpObjective::value(term, posture, response).squaredNorm();
     }
   }
+  const ImpactResponse<double> none = no_response(posture);
   Vector6d moment = Vector6d::Zero();
   moment.tail<3>() = encounter.F.tail<3>();
   const ImpactResponse<double> unit[4] = {
       respond<double>(posture, Vector6d::Unit(0)), respond<double>(posture, Vector6d::Unit(1)),
-      respond<double>(posture, Vector6d::Unit(2)), respond<double>(posture, moment)};
-  const ImpactResponse<double> none = respond<double>(posture, Vector6d::Zero());
+      respond<double>(posture, Vector6d::Unit(2)),
+      moment.isZero(0) ? none : respond<double>(posture, moment)};
   Eigen::Index size = 0;
   for (const JumpObjective::Term& term : jump_.terms()) {
     size += JumpObjective::value(term, posture, none).size();
@@ -66,7 +77,13 @@ void DirectionModel::move_to(const Encounter<double>& there, const PostureImpact
     }
     first += rows;
   }
-  W = extended_inverse_inertia(posture.factor, posture.jacobian).topLeftCorner<3, 3>();
+  // Columns of W_h: velocities of the hand.
+  for (int i = 0; i < 3; ++i) {
+    const ImpactJump<double>& d = unit[i].d;
+    W.col(i) = posture.jacobian.R_bh.topRows<3>() * d.Delta_Omega;
+    W.col(i).noalias() += posture.jacobian.J_phi.topRows<3>() * d.Delta_phidot;
+  }
+  W = (W + W.transpose()).eval() / 2;
   const ContactKinematics<double>& contact = encounter.contact;
   add_target_inverse_inertia(model, contact, W);
   velocity = Matrix3d(contact.R_EB.transpose()) * contact.velocity_at(model.r);

@@ -197,6 +197,7 @@ Place refine(const DirectionModel& model, Place place) {
 void ConeSearch::scan(const DirectionModel& model) {
   const auto [rings, spokes, row, climbs] = scan_of(model);
   const double alpha = model.half_angle;
+  rings_ = alpha > 0 && !model.planar ? static_cast<std::size_t>(rings) : 0;
   grid_.assign(1, Eigen::Vector2d::Zero());
   directions_.assign(1, model.n);
   if (alpha > 0 && model.planar) {
@@ -226,22 +227,54 @@ void ConeSearch::scan(const DirectionModel& model) {
   model.values(grid_, directions_, values_);
 }
 
+bool ConeSearch::is_peak(std::size_t i) const {
+  if (std::isnan(values_[i])) return false;
+  // Of equal neighbours the first.
+  const auto is_above = [&](std::size_t other) {
+    return !(values_[other] > values_[i]) && !(values_[other] == values_[i] && other < i);
+  };
+  const std::size_t places = grid_.size();
+  if (rings_ == 0) {  // a row, after its middle
+    return i == 0 ? places == 1
+                  : (i == 1 || is_above(i - 1)) && (i + 1 == places || is_above(i + 1));
+  }
+  if (i == 0) {
+    for (std::size_t first = 1; first < places; first += rings_) {
+      if (!is_above(first)) return false;
+    }
+    return true;
+  }
+  const std::size_t ring = (i - 1) % rings_;
+  const auto is_above_spoke = [&](std::size_t k) {  // k: its place on the ring
+    return (k == i || is_above(k)) && (ring + 1 == rings_ || is_above(k + 1)) &&
+           is_above(ring == 0 ? 0 : k - 1);
+  };
+  const std::size_t last = places - 1 - rings_;  // from the first spoke to the last
+  return is_above_spoke(i) && is_above_spoke(i > last ? i - last : i + rings_) &&
+         is_above_spoke(i <= rings_ ? i + last : i - rings_);
+}
+
 const std::vector<ConePlace>& ConeSearch::maxima(const DirectionModel& model) {
   scan(model);
   const std::size_t most = scan_of(model).climbs;
+  peaks_.clear();
+  for (std::size_t i = 0; i < grid_.size(); ++i) {
+    if (is_peak(i)) peaks_.push_back({grid_[i], values_[i]});
+  }
+  if (peaks_.empty()) peaks_.push_back({grid_[0], values_[0]});
   // Places apart from each other, so that equal maxima are all found.
   seeds_.clear();
   while (seeds_.size() < most) {
-    std::size_t best = grid_.size();
-    for (std::size_t i = 0; i < grid_.size(); ++i) {
+    const Place* best = nullptr;
+    for (const Place& peak : peaks_) {
+      if (best != nullptr && !(peak.value > best->value)) continue;
       const auto near = [&](const Place& seed) {
-        return (seed.c - grid_[i]).squaredNorm() <= std::pow(model.half_angle / 4, 2);
+        return (seed.c - peak.c).squaredNorm() <= std::pow(model.half_angle / 4, 2);
       };
-      if (best < grid_.size() && !(values_[i] > values_[best])) continue;
-      if (std::none_of(seeds_.begin(), seeds_.end(), near)) best = i;
+      if (std::none_of(seeds_.begin(), seeds_.end(), near)) best = &peak;
     }
-    if (best == grid_.size()) break;
-    seeds_.push_back({grid_[best], values_[best]});
+    if (best == nullptr) break;
+    seeds_.push_back(*best);
   }
   found_.clear();
   for (const Place& seed : seeds_) {

@@ -17,11 +17,12 @@
 
 namespace stillbase {
 
-/// How the maxima over the cone are searched for: a scan, then a climb from the best places.
+/// How the maxima over the cone are searched for: a scan, then a climb from its peaks, places with
+/// no larger neighbour.
 struct ConeScan {
   int rings = 12, spokes = 36;  ///< between the axis and the rim
   int row = 97;                 ///< places in a wedge, which is one-dimensional: finer for less
-  std::size_t climbs = 6;       ///< from places a quarter of the half-angle apart
+  std::size_t climbs = 6;       ///< at most, from peaks a quarter of the half-angle apart
 };
 /// The same where |y| has to be simulated: a direction costs as much as all the others together.
 inline constexpr ConeScan kSimulatedScan{3, 12, 17, 3};
