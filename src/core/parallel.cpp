@@ -105,16 +105,33 @@ class ThreadCrew::Threads {
       const std::lock_guard lock(mutex_);
       jobs_.push_back(&job);
       begin_threads();
+      if (is_caller_free_) is_left_.notify_all();
     }
     for (int i = 0; i < helpers; ++i) has_work_.notify_one();
+    const bool is_outermost = depth == 0;
+    ++depth;
     work();
+    --depth;
     std::unique_lock lock(mutex_);
     jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
-    is_left_.wait(lock, [&job] { return job.helped_by == 0; });
+    while (job.helped_by > 0) {
+      // Within another call the thread may hold what the other work waits for.
+      const auto other = is_outermost ? wanted_job() : jobs_.end();
+      if (other != jobs_.end()) {
+        help_with(**other, lock);
+        std::fesetround(job.rounding);
+      } else {
+        is_caller_free_ = is_outermost;
+        is_left_.wait(lock);
+        is_caller_free_ = false;
+      }
+    }
   }
 
   /// That of the calling thread; null: none.
   static thread_local Threads* here;
+  /// Calls of work() that the calling thread is in.
+  static thread_local int depth;
 
  private:
   struct Job {
@@ -137,25 +154,31 @@ class ThreadCrew::Threads {
     }
   }
 
+  std::vector<Job*>::iterator wanted_job() {
+    return std::find_if(jobs_.begin(), jobs_.end(), [](const Job* j) { return j->wanted > 0; });
+  }
+
+  void help_with(Job& job, std::unique_lock<std::mutex>& lock) {
+    --job.wanted;
+    ++job.helped_by;
+    lock.unlock();
+    std::fesetround(job.rounding);
+    ++depth;
+    job.work();
+    --depth;
+    lock.lock();
+    if (--job.helped_by == 0) is_left_.notify_all();
+  }
+
   void help() {
     here = this;
     std::unique_lock lock(mutex_);
     while (true) {
-      const auto next = [this] {
-        return std::find_if(jobs_.begin(), jobs_.end(), [](const Job* j) { return j->wanted > 0; });
-      };
-      has_work_.wait(lock, [&] { return is_over_ || next() != jobs_.end(); });
+      has_work_.wait(lock, [this] { return is_over_ || wanted_job() != jobs_.end(); });
       if (is_over_) return;
-      Job& job = **next();
-      --job.wanted;
-      ++job.helped_by;
       --idle_;
-      lock.unlock();
-      std::fesetround(job.rounding);
-      job.work();
-      lock.lock();
+      help_with(**wanted_job(), lock);
       ++idle_;
-      if (--job.helped_by == 0) is_left_.notify_all();
     }
   }
 
@@ -163,12 +186,14 @@ class ThreadCrew::Threads {
   std::mutex mutex_;  // of what follows
   std::condition_variable has_work_, is_left_;
   std::vector<Job*> jobs_;
-  int idle_ = 0;  ///< threads that wait, or are about to
+  int idle_ = 0;                 ///< threads that wait, or are about to
+  bool is_caller_free_ = false;  ///< the crew's maker waits for its helpers
   bool is_over_ = false;
   std::vector<std::jthread> threads_;  // the last member: they end first
 };
 
 thread_local ThreadCrew::Threads* ThreadCrew::Threads::here = nullptr;
+thread_local int ThreadCrew::Threads::depth = 0;
 
 ThreadCrew::ThreadCrew(int jobs) {
   if (jobs <= 1 || Threads::here != nullptr) return;

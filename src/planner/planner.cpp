@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <functional>
 #include <map>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -234,14 +237,81 @@ void describe(const CaptureProblem& problem, const Candidate& best,
   }
 }
 
-/// Plans for every feature that the problem names, and the best of them.
-Plan plan_features(const CaptureProblem& problem, const PlannerOptions& options) {
-  std::vector<PlanOfFeature> plans;
-  for (const std::string& feature : problem.variables.features) {
-    if (!plans.empty() && options.stop.reached()) break;
-    plans.push_back(plan_one_feature(at_feature(problem, feature), options));
+/// Reports of the first of several plans that is not finished: those of the others would be mixed
+/// with them.
+class ProgressOfFeatures {
+ public:
+  explicit ProgressOfFeatures(const PlannerOptions& options, std::size_t count)
+      : report_(options.on_progress), is_finished_(count) {}
+
+  void report(std::size_t i, const std::string& stage, int done, int total) {
+    const std::lock_guard lock(mutex_);
+    if (report_ && i == first_) report_(stage, done, total);
   }
-  const bool all = plans.size() == problem.variables.features.size() && !options.stop.reached();
+  void finish(std::size_t i) {
+    const std::lock_guard lock(mutex_);
+    is_finished_[i] = true;
+    while (first_ < is_finished_.size() && is_finished_[first_]) ++first_;
+  }
+
+ private:
+  const decltype(PlannerOptions::on_progress)& report_;
+  std::mutex mutex_;  // of what follows
+  std::vector<bool> is_finished_;
+  std::size_t first_ = 0;
+};
+
+/// Seconds of plans that were made beside each other as parts of the time that this took.
+void share_time(double wall, double processor, PhaseClock* clock,
+                const std::vector<PhaseClock>& clocks, std::vector<PlanOfFeature>& plans) {
+  double sum = 0;
+  for (const PlanOfFeature& one : plans) sum += one.plan.timing.at("total");
+  const double part = sum > 0 ? wall / sum : 1;
+  for (PlanOfFeature& one : plans) {
+    for (auto& [name, seconds] : one.plan.timing) seconds *= part;
+  }
+  if (clock == nullptr) return;
+  for (const PhaseClock& one : clocks) {
+    for (const auto& [name, seconds] : one.seconds()) {
+      clock->add(name, {seconds.wall * part, sum > 0 ? processor * seconds.wall / sum : 0});
+    }
+  }
+}
+
+/// Plans for every feature that the problem names, several at a time, and the best of them.
+Plan plan_features(const CaptureProblem& problem, const PlannerOptions& options) {
+  const std::vector<std::string>& features = problem.variables.features;
+  const auto count = static_cast<int>(features.size());
+  const int jobs = jobs_of(problem, options);
+  const bool is_shared = jobs > 1;
+  const auto begin = Clock::now();
+  const std::clock_t processor = std::clock();
+  ProgressOfFeatures progress(options, features.size());
+  std::vector<PhaseClock> clocks(is_shared ? features.size() : 0);
+  std::vector<std::optional<PlanOfFeature>> made(features.size());
+  const auto work = [&](int index) {
+    const auto i = static_cast<std::size_t>(index);
+    PlannerOptions own = options;
+    if (is_shared) own.clock = &clocks[i];
+    if (options.on_progress) {
+      own.on_progress = [&, i](const std::string& stage, int done, int total) {
+        progress.report(i, stage, done, total);
+      };
+    }
+    made[i] = plan_one_feature(at_feature(problem, features[i]), own);
+    progress.finish(i);
+  };
+  // One is always planned for, whatever has stopped.
+  if (for_each_index(jobs, count, options.stop, work) == 0) work(0);
+  std::vector<PlanOfFeature> plans;
+  for (std::optional<PlanOfFeature>& one : made) {
+    if (one) plans.push_back(std::move(*one));
+  }
+  if (is_shared) {
+    share_time(seconds_since(begin), static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC,
+               options.clock, clocks, plans);
+  }
+  const bool all = plans.size() == features.size() && !options.stop.reached();
   Plan best = best_of_features(std::move(plans));
   if (!all) best.status = PlanStatus::Limit;
   return best;

@@ -159,6 +159,30 @@ TEST_CASE("calls within calls share a crew") {
   }
 }
 
+TEST_CASE("the maker of a crew helps with the calls within while it waits") {
+  const ThreadCrew crew(2);
+  const std::thread::id maker = std::this_thread::get_id();
+  for (int call = 0; call < 10; ++call) {
+    StopCondition limit;
+    limit.deadline = StopCondition::Clock::now() + std::chrono::seconds(60);
+    std::atomic<int> begun{0};
+    std::mutex mutex;
+    std::set<std::thread::id> seen;
+    for_each_index(2, 2, {}, [&](int) {
+      ++begun;
+      while (begun < 2 && !limit.reached()) std::this_thread::yield();
+      if (std::this_thread::get_id() == maker) return;
+      for_each_index(2, 60, {}, [&](int) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        const std::lock_guard lock(mutex);
+        seen.insert(std::this_thread::get_id());
+      });
+    });
+    CHECK(begun == 2);
+    CHECK(seen.size() == 2);
+  }
+}
+
 TEST_CASE("a crew goes on after a failure and after a stop") {
   const ThreadCrew crew(4);
   for (int call = 0; call < 50; ++call) {

@@ -1,6 +1,9 @@
 // Every number of threads gives the same plan, byte for byte.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <set>
 #include <string>
@@ -41,6 +44,43 @@ TEST_CASE("a plan does not depend on the number of threads") {
   const std::string alone = bytes_of(planned_by(problem, 1));
   CHECK(bytes_of(planned_by(problem, 2)) == alone);
   CHECK(bytes_of(planned_by(problem, 5)) == alone);
+}
+
+TEST_CASE("features are planned for beside each other without a trace but their time") {
+  CaptureProblem problem = shipped("deos_features");
+  problem.search.starts = 24;
+  problem.search.max_candidates = 16;
+  const Plan one_by_one = planned_by(problem, 1);
+  const std::string alone = bytes_of(one_by_one);
+  REQUIRE(one_by_one.candidates.size() > 1);
+  for (const int jobs : {2, 5}) {
+    PlannerOptions options;
+    options.jobs = jobs;
+    PhaseClock clock;
+    options.clock = &clock;
+    int searches = 0, last = 0, at_once = 0;
+    std::atomic<int> inside{0};
+    options.on_progress = [&](const std::string& stage, int done, int) {
+      at_once = std::max(at_once, ++inside);
+      if (stage == "search") {
+        searches += done < last || searches == 0;
+        last = done;
+      }
+      --inside;
+    };
+    const auto begin = std::chrono::steady_clock::now();
+    const Plan plan = make_plan(problem, options);
+    const double wall =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    CHECK(bytes_of(plan) == alone);
+    CHECK(at_once == 1);
+    CHECK(searches <= 2);  // those of a feature that ends second are seen from then on
+    CHECK(plan.timing.at("total") <= wall);
+    double phases = 0;
+    for (const auto& [name, seconds] : clock.seconds()) phases += seconds.wall;
+    CHECK(phases <= wall);
+    CHECK(phases > 0.5 * plan.timing.at("total"));
+  }
 }
 
 // What is hopeless is known from earlier starts: with several threads from some of them.

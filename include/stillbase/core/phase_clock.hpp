@@ -36,6 +36,12 @@ class PhaseClock {
     const char* outer_;
   };
 
+  /// Adds what was measured elsewhere.
+  void add(const std::string& name, const Seconds& further) {
+    Seconds& seconds = seconds_[name];
+    seconds.wall += further.wall;
+    seconds.processor += further.processor;
+  }
   /// Of the phases that have ended, and of open ones up to the last change.
   const std::map<std::string, Seconds>& seconds() const { return seconds_; }
 
