@@ -239,8 +239,8 @@ constexpr double kFclError = 1e-5;
 struct Placed {
   Matrix3d R;
   Vector3d p;
-  Vector3d centre;     ///< of the bounding sphere
-  RoundSegment round;  ///< of spheres and capsules
+  Vector3d centre;            ///< of the bounding sphere
+  Vector3d round_a, round_b;  ///< ends of the segment of spheres and capsules
 };
 
 /// All shapes in B at one instant, and the hand's distance from where it will touch.
@@ -257,19 +257,21 @@ class Instant {
       const Vector3d contact = R_BT * data.contact_point + T_BT.position;
       hand_to_contact = std::max((kinematics.r_bh - contact).norm() - data.contact_radius, 0.0);
     }
-    placed_.reserve(data.items.size());
+    placed_.resize(data.items.size());
     bool finite = std::isfinite(hand_to_contact);
-    for (const Item& item : data.items) {
+    for (std::size_t i = 0; i < data.items.size(); ++i) {
+      const Item& item = data.items[i];
+      Placed& placed = placed_[i];
       if (item.carrier == Carrier::Target) {
-        place(item, R_BT, T_BT.position);
+        place(item, R_BT, T_BT.position, placed);
       } else if (item.carrier == Carrier::Inertial) {
-        place(item, R_BN, T_BN.position);
+        place(item, R_BN, T_BN.position, placed);
       } else if (item.body == kBase) {
-        place(item, Matrix3d::Identity(), Vector3d::Zero());
+        place(item, Matrix3d::Identity(), Vector3d::Zero(), placed);
       } else {
-        place(item, kinematics.R[item.body], kinematics.o[item.body]);
+        place(item, kinematics.R[item.body], kinematics.o[item.body], placed);
       }
-      finite = finite && placed_.back().R.allFinite() && placed_.back().p.allFinite();
+      finite = finite && placed.R.allFinite() && placed.p.allFinite();
     }
     // FCL would end the process.
     if (!finite) throw std::invalid_argument("collision query with a pose that is not finite");
@@ -289,9 +291,9 @@ class Instant {
     const Placed &pa = placed_[pair.a], &pb = placed_[pair.b];
     const double bound = (pa.centre - pb.centre).norm() - a.bounds.radius - b.bounds.radius;
     if (bound > enough) return bound;
-    if (a.round && b.round) return round_distance(pa.round, pb.round);
-    if (a.round && b.is_box) return round_box_distance(pa.round, {b.box.half, pb.R, pb.p});
-    if (a.is_box && b.round) return round_box_distance(pb.round, {a.box.half, pa.R, pa.p});
+    if (a.round && b.round) return round_distance(round_of(pair.a), round_of(pair.b));
+    if (a.round && b.is_box) return round_box_distance(round_of(pair.a), {b.box.half, pb.R, pb.p});
+    if (a.is_box && b.round) return round_box_distance(round_of(pair.b), {a.box.half, pa.R, pa.p});
     const double gap = box_gap({a.box.half, pa.R, pa.R * a.box.centre + pa.p},
                                {b.box.half, pb.R, pb.R * b.box.centre + pb.p});
     if (gap > enough + kFclError) return gap;
@@ -312,18 +314,23 @@ class Instant {
   double hand_to_contact = 0;
 
  private:
-  void place(const Item& item, const Matrix3d& R, const Vector3d& p) {
-    const Matrix3d R_item = R * item.R;
-    const Vector3d p_item = R * item.pose.position + p;
-    placed_.push_back({R_item, p_item, R_item * item.bounds.centre + p_item, {}});
+  static void place(const Item& item, const Matrix3d& R, const Vector3d& p, Placed& out) {
+    out.R.noalias() = R * item.R;
+    out.p = R * item.pose.position + p;
+    out.centre = out.R * item.bounds.centre + out.p;
     if (!item.round) return;
-    placed_.back().round = {R_item * item.round->a + p_item, R_item * item.round->b + p_item,
-                            item.round->radius};
+    out.round_a = out.R * item.round->a + out.p;
+    out.round_b = out.R * item.round->b + out.p;
+  }
+
+  /// Of a sphere or capsule.
+  RoundSegment round_of(std::size_t i) const {
+    return {placed_[i].round_a, placed_[i].round_b, data_.items[i].round->radius};
   }
 
   const CollisionScene::Data& data_;
   bool has_target_;
-  std::vector<Placed> placed_;
+  InPlaceArray<Placed, 32> placed_;  // of items beyond it on the heap
 };
 
 Proximity proximity(const CollisionScene::Data& data, const Pair& pair, double distance) {

@@ -1,5 +1,7 @@
 #include <stillbase/core/linear_algebra.hpp>
 
+#include <algorithm>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
@@ -62,24 +64,47 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& A, double threshold) {
   return solver.compute(A).pseudoInverse();
 }
 
-PivotedQr::PivotedQr(const Eigen::MatrixXd& A, std::optional<double> threshold) : qr_(A) {
-  if (threshold) qr_.setThreshold(*threshold);
+PivotedQr::Qr PivotedQr::decompose(const Eigen::MatrixXd& A) {
+  if (std::max(A.rows(), A.cols()) <= kInPlace) {
+    return Qr(std::in_place_index<0>, InPlace(A));
+  }
+  return Qr(std::in_place_index<1>, A);
 }
 
-Eigen::Index PivotedQr::rank() const { return qr_.rank(); }
+PivotedQr::PivotedQr(const Eigen::MatrixXd& A, std::optional<double> threshold)
+    : qr_(decompose(A)) {
+  if (threshold) std::visit([&](auto& qr) { qr.setThreshold(*threshold); }, qr_);
+}
+
+Eigen::Index PivotedQr::rank() const {
+  return std::visit([](const auto& qr) { return qr.rank(); }, qr_);
+}
 
 Eigen::MatrixXd PivotedQr::complement() const {
-  const Eigen::MatrixXd Q = qr_.householderQ() * Eigen::MatrixXd::Identity(qr_.rows(), qr_.rows());
-  return Q.rightCols(qr_.rows() - rank());
+  return std::visit(
+      [this](const auto& qr) -> Eigen::MatrixXd {
+        const Eigen::MatrixXd Q =
+            qr.householderQ() * Eigen::MatrixXd::Identity(qr.rows(), qr.rows());
+        return Q.rightCols(qr.rows() - rank());
+      },
+      qr_);
 }
 
 Eigen::MatrixXd PivotedQr::complement_components(const Eigen::MatrixXd& M) const {
-  const Eigen::MatrixXd rotated = qr_.householderQ().adjoint() * M;
-  return rotated.bottomRows(qr_.rows() - rank());
+  return std::visit(
+      [&](const auto& qr) -> Eigen::MatrixXd {
+        const Eigen::MatrixXd rotated = qr.householderQ().adjoint() * M;
+        return rotated.bottomRows(qr.rows() - rank());
+      },
+      qr_);
 }
 
-Eigen::VectorXd PivotedQr::solve(const Eigen::VectorXd& b) const { return qr_.solve(b); }
+Eigen::VectorXd PivotedQr::solve(const Eigen::VectorXd& b) const {
+  return std::visit([&](const auto& qr) -> Eigen::VectorXd { return qr.solve(b); }, qr_);
+}
 
-Eigen::MatrixXd PivotedQr::solve_columns(const Eigen::MatrixXd& B) const { return qr_.solve(B); }
+Eigen::MatrixXd PivotedQr::solve_columns(const Eigen::MatrixXd& B) const {
+  return std::visit([&](const auto& qr) -> Eigen::MatrixXd { return qr.solve(B); }, qr_);
+}
 
 }  // namespace stillbase

@@ -168,8 +168,12 @@ void Formulation::Parts::add_differenced(const Placement<double>& at, const Scen
       y.transpose() * differenced.jacobian(model, x, scenario, objective_unit, simulations_stop);
 }
 
-void Formulation::Parts::evaluate_rows(const ConstraintPoint<double>& at, Eigen::VectorXd& values,
-                                       Eigen::MatrixXd* jacobian, double far) const {
+void Formulation::Parts::evaluate_rows(const ConstraintPoint<double>& there,
+                                       Eigen::VectorXd& values, Eigen::MatrixXd* jacobian,
+                                       double far) const {
+  ShapeOrigins origins;
+  ConstraintPoint<double> at = there;
+  at.origins = &origins;
   for (std::size_t i = 0; i < rows.kept.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     if (far < kInfinity && rows.kept[i]->surely_holds(at, far)) {
@@ -215,20 +219,27 @@ void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alo
   const auto placement = model.place<double>(x);
   const auto posture = parts_->posture_of_rows(placement);
   const auto nominal = parts_->impact_of_rows(placement, posture);
-  const ConstraintPoint<double> at{model, placement, posture, nominal};
-  violation.resize(num_constraints());
-  jacobian.resize(num_constraints(), x.size());
-  Eigen::Index count = 0;
+  ShapeOrigins origins;
+  const ConstraintPoint<double> at{model, placement, posture, nominal, &origins};
+  std::vector<const Constraint*> counting;
   for (const Constraint* row : parts_->rows.kept) {
-    if (!row->is_equation() && (equations_alone || row->surely_holds(at, 0))) continue;
-    const double value = row->value_and_gradient(at, jacobian.row(count));
-    violation[count] = value > row->upper   ? value - row->upper
-                       : value < row->lower ? value - row->lower
-                                            : 0.0;
-    if (row->is_equation() || violation[count] != 0) ++count;
+    if (!row->is_equation()) {
+      if (equations_alone || row->surely_holds(at, 0)) continue;
+      const double value = row->value(at);
+      if (!(value > row->upper || value < row->lower)) continue;
+    }
+    counting.push_back(row);
   }
-  violation.conservativeResize(count);
-  jacobian.conservativeResize(count, Eigen::NoChange);
+  const auto count = static_cast<Eigen::Index>(counting.size());
+  violation.resize(count);
+  jacobian.resize(count, x.size());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Constraint& row = *counting[static_cast<std::size_t>(i)];
+    const double value = row.value_and_gradient(at, jacobian.row(i));
+    violation[i] = value > row.upper   ? value - row.upper
+                   : value < row.lower ? value - row.lower
+                                       : 0.0;
+  }
 }
 
 Scenario Formulation::nominal_scenario() const { return parts_->model.nominal; }
@@ -302,6 +313,11 @@ Eigen::VectorXd Formulation::start_point(const Eigen::VectorXd& u) const {
   return parts_->model.layout.start_point(parts_->model.problem, u);
 }
 
+bool Formulation::are_within(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
+                             double most) const {
+  return parts_->model.layout.are_within(parts_->model.problem, a, b, most);
+}
+
 double Formulation::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
   return parts_->model.layout.distance(parts_->model.problem, a, b);
 }
@@ -363,6 +379,36 @@ void Formulation::update_report(const Eigen::VectorXd& x, std::vector<Constraint
     const auto j = static_cast<Eigen::Index>(i);
     set(x[j], layout.lower_limit[j], layout.upper_limit[j]);
   }
+}
+
+double Formulation::largest_violation(const Eigen::VectorXd& x) const {
+  const CaptureModel& model = parts_->model;
+  const auto placement = model.place<double>(x);
+  // Of the rows that no optimizer takes it is not known what they need.
+  const bool is_whole = !parts_->rows.reported.empty() || !parts_->constraints.reported.empty();
+  const auto posture = is_whole ? model.posture(placement) : parts_->posture_of_rows(placement);
+  const auto impact = is_whole ? model.impact(placement, posture, model.nominal)
+                               : parts_->impact_of_rows(placement, posture);
+  ShapeOrigins origins;
+  const ConstraintPoint<double> at{model, placement, posture, impact, &origins};
+  double worst = 0;
+  const auto look_at = [&](const Constraint& row) {
+    if (!row.is_equation() && row.surely_holds(at, 0)) return;
+    worst = std::max(worst, violation_of(row.value(at), row.lower, row.upper));
+  };
+  for (const Constraint* row : parts_->rows.kept) {
+    if (!row->is_part) look_at(*row);
+  }
+  for (const Constraint* row : parts_->rows.reported) look_at(*row);
+  for (const auto& row : parts_->constraints.reported) look_at(*row);
+  const VariableLayout& layout = model.layout;
+  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+    const Joint& joint = model.problem.robot.joints[static_cast<std::size_t>(layout.joints[i])];
+    if (joint.type == JointType::Continuous) continue;
+    const auto j = static_cast<Eigen::Index>(i);
+    worst = std::max(worst, violation_of(x[j], layout.lower_limit[j], layout.upper_limit[j]));
+  }
+  return worst;
 }
 
 std::vector<ConstraintValue> Formulation::report_limits(const Eigen::VectorXd& x) const {

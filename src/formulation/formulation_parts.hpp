@@ -45,7 +45,7 @@ struct Formulation::Parts {
                                         const PostureImpact<double>& posture) const;
   /// Values of the rows, and unless it is null their Jacobian; both have their sizes.
   /// @param far see nlp::Evaluation; only with a Jacobian
-  void evaluate_rows(const ConstraintPoint<double>& at, Eigen::VectorXd& values,
+  void evaluate_rows(const ConstraintPoint<double>& there, Eigen::VectorXd& values,
                      Eigen::MatrixXd* jacobian, double far = kInfinity) const;
 
   /// sum w_k grad f_k over scenarios + sum multipliers_i grad g_i.

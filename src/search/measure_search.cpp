@@ -29,7 +29,7 @@ std::vector<Point> distinct(const Formulation& formulation, std::vector<Point> p
   std::vector<Point> out;
   for (Point& point : points) {
     const bool known = std::any_of(out.begin(), out.end(), [&](const Point& other) {
-      return formulation.distance(other.x, point.x) < apart;
+      return formulation.are_within(other.x, point.x, apart);
     });
     if (!known) out.push_back(std::move(point));
   }
@@ -39,7 +39,7 @@ std::vector<Point> distinct(const Formulation& formulation, std::vector<Point> p
 bool is_near(const Formulation& formulation, const std::vector<Eigen::VectorXd>& points,
              const Eigen::VectorXd& x, double distance) {
   return std::any_of(points.begin(), points.end(), [&](const Eigen::VectorXd& other) {
-    return formulation.distance(other, x) < distance;
+    return formulation.are_within(other, x, distance);
   });
 }
 
@@ -232,7 +232,7 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
   const auto is_worth_a_solve = [&](const Eigen::VectorXd& start, double value) {
     if (!(value <= options.worth_a_solve * minima.front().value)) return false;
     return std::none_of(minima.begin(), minima.end(), [&](const Point& known) {
-      return formulation.distance(known.x, start) < 5 * options.same_basin;
+      return formulation.are_within(known.x, start, 5 * options.same_basin);
     });
   };
   for (std::size_t i = 0; i < minima.size() && flips < options.flips && !stopped();) {

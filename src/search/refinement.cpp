@@ -36,7 +36,7 @@ void Refinement::refine(std::vector<Solution>& solutions, const Refined& refined
   const auto is_of_curve = [&](const Solution& solution) {
     return std::any_of(before.begin(), before.end(), [&](const Solution& other) {
       return other.family >= 0 &&
-             formulation_.distance(other.x, solution.x) <= options_.same_configuration;
+             formulation_.are_within(other.x, solution.x, options_.same_configuration);
     });
   };
   std::vector<Solution> after(before.size());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 
 #include <stillbase/core/parallel.hpp>
 #include <stillbase/core/rotation.hpp>
@@ -125,44 +126,62 @@ void join_rolls(const CaptureProblem& problem, const Formulation& formulation,
     return !is_free || is_free(formulation.configuration(x));
   };
   std::sort(solutions.begin(), solutions.end(), better);
-  for (const Solution& solution : solutions) {
-    // One that is known but for its roll.
-    const auto known = std::find_if(joined.begin(), joined.end(), [&](const Solution& other) {
+  // One that is known but for its roll.
+  const auto find_known = [&](const Solution& solution) {
+    return std::find_if(joined.begin(), joined.end(), [&](const Solution& other) {
       if (solution.family >= 0 || other.family < first_roll) return false;
       Eigen::VectorXd turned = solution.x;
       turned[k] = other.x[k];
-      return formulation.distance(turned, other.x) <= options.same_other;
+      return formulation.are_within(turned, other.x, options.same_other);
     });
+  };
+  std::vector<std::optional<SolutionFamily>> rolls(solutions.size());
+  std::mutex mutex;  // of what is joined
+  const auto work = [&](int i) {
+    const Solution& solution = solutions[static_cast<std::size_t>(i)];
+    if (solution.family >= 0 || stop.reached()) return;
+    {
+      const std::lock_guard lock(mutex);
+      if (find_known(solution) != joined.end()) return;
+    }
+    rolls[static_cast<std::size_t>(i)] =
+        roll_through(problem, formulation, solution.x, value, 1, options);
+  };
+  const auto take = [&](int i) {
+    const std::lock_guard lock(mutex);
+    const Solution& solution = solutions[static_cast<std::size_t>(i)];
+    std::optional<SolutionFamily>& roll = rolls[static_cast<std::size_t>(i)];
+    const auto known = find_known(solution);
     if (known != joined.end()) {
       known->reached += solution.reached;
       families[static_cast<std::size_t>(known->family)].starts += solution.reached;
-      if (touches_nothing(known->x)) continue;
+      if (touches_nothing(known->x)) return;
       Eigen::VectorXd turned = known->x;
       turned[k] = solution.x[k];
       if (touches_nothing(turned)) known->x = turned;
-      continue;
+      return;
     }
     joined.push_back(solution);
-    if (solution.family >= 0 || stop.reached()) continue;
-    auto roll = roll_through(problem, formulation, solution.x, value, jobs, options);
-    if (!roll) continue;
+    if (!roll) return;
     roll->starts = solution.reached;
     joined.back().family = static_cast<int>(families.size());
     families.push_back(std::move(*roll));
-  }
+  };
+  for_each_index(jobs, static_cast<int>(solutions.size()), {}, work, take);
   // Which of them the search met is rounding, so the joint stays where the arm starts.
   const int joint = roll_joint(problem.robot);
-  for (Solution& solution : joined) {
-    if (solution.family < first_roll || stop.reached()) continue;
+  for_each_index(jobs, static_cast<int>(joined.size()), stop, [&](int i) {
+    Solution& solution = joined[static_cast<std::size_t>(i)];
+    if (solution.family < first_roll) return;
     const SolutionFamily& roll = families[static_cast<std::size_t>(solution.family)];
     for (const double angle : angles_from(problem.start[joint], roll, joint, options.angles)) {
       Eigen::VectorXd turned = solution.x;
       turned[k] = angle;
       if (!touches_nothing(turned)) continue;
       solution.x = turned;
-      break;
+      return;
     }
-  }
+  });
   solutions = std::move(joined);
 }
 

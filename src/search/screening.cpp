@@ -52,7 +52,7 @@ std::vector<Eigen::VectorXd> best_by_screening(const CaptureProblem& problem,
   for (const std::size_t i : order) {
     if (static_cast<int>(out.size()) == options.kept) break;
     const bool known = std::any_of(out.begin(), out.end(), [&](const Eigen::VectorXd& better) {
-      return formulation.distance(better, points[i]) < options.distance;
+      return formulation.are_within(better, points[i], options.distance);
     });
     if (!known) out.push_back(points[i]);
   }

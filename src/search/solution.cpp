@@ -36,10 +36,7 @@ double case_residual(const CaptureProblem& problem, const Formulation& formulati
 
 double largest_violation(const CaptureProblem& problem, const Formulation& formulation,
                          const Eigen::VectorXd& x) {
-  double worst = 0;
-  for (const ConstraintValue& value : formulation.report(x)) {
-    worst = std::max(worst, value.violation);
-  }
+  const double worst = formulation.largest_violation(x);
   const double of_case = case_residual(problem, formulation, x);
   return of_case <= kFeasibilityTolerance ? worst : std::max(worst, of_case);
 }
@@ -81,7 +78,7 @@ Solution polish(const CaptureProblem& problem, const Formulation& formulation,
 void keep_distinct(const Formulation& formulation, const Solution& found,
                    std::vector<Solution>& solutions, double same) {
   const auto is_same = [&](const Solution& a, const Solution& b) {
-    return formulation.distance(a.x, b.x) <= same;
+    return formulation.are_within(a.x, b.x, same);
   };
   const auto absorb = [](Solution& into, const Solution& other) {
     const int reached = into.reached + other.reached;

@@ -6,6 +6,7 @@
 #include "formulation/projection.hpp"
 #include "formulation/some_point.hpp"
 #include "support/capture_problems.hpp"
+#include "support/shipped_problem.hpp"
 
 namespace stillbase {
 namespace {
@@ -223,6 +224,29 @@ TEST_CASE("no shortest rotation is at the bounds of an attitude without a limit"
     CHECK(formulation.distance(shortest, x) < 1e-12);
   }
   CHECK(in_shortest_turns(formulation, x) != x);
+}
+
+TEST_CASE(
+    "the largest violation is that of the report, and near points are those of the distance") {
+  for (const char* name : {"iiwa_cone", "deos_client_224", "ets7_envisat", "iiwa_case_c"}) {
+    const Formulation formulation(test::shipped(name));
+    INFO(name);
+    std::vector<Eigen::VectorXd> points;
+    for (int i = 0; i < 60; ++i) {
+      points.push_back(
+          formulation.start_point(low_discrepancy_point(i, formulation.num_variables(), 5)));
+      double worst = 0;
+      for (const ConstraintValue& row : formulation.report(points.back()))
+        worst = std::max(worst, row.violation);
+      CHECK(formulation.largest_violation(points.back()) == worst);
+    }
+    for (const Eigen::VectorXd& other : points) {
+      const double apart = formulation.distance(points[0], other);
+      for (const double part : {0.5, 0.999999, 1.000001, 2.0}) {
+        CHECK(formulation.are_within(points[0], other, part * apart) == (part > 1 || apart == 0));
+      }
+    }
+  }
 }
 
 TEST_CASE("a free station puts the hand on the contact feature") {

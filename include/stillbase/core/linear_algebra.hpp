@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <variant>
 
 #include <Eigen/QR>
 
@@ -87,7 +88,15 @@ class PivotedQr {
   Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& B) const;
 
  private:
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr_;
+  static constexpr int kInPlace = 24;  ///< rows and columns that need no heap
+  using InPlace =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kInPlace, kInPlace>;
+  using Qr = std::variant<Eigen::ColPivHouseholderQR<InPlace>,
+                          Eigen::ColPivHouseholderQR<Eigen::MatrixXd>>;
+
+  static Qr decompose(const Eigen::MatrixXd& A);
+
+  Qr qr_;
 };
 
 }  // namespace stillbase

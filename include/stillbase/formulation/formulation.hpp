@@ -124,6 +124,8 @@ class Formulation final : public nlp::Problem {
   /// Distance of two points on the configuration manifold: angles wrapped, rotations by their
   /// angle.
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
+  /// Whether distance() is at most that: quick where it is more.
+  bool are_within(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double most) const;
   /// a - b, angles that are whole turns apart being equal: within [-pi, pi].
   Eigen::VectorXd difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// Continuous angles wrapped to (-pi, pi], those of joints with whole turns (plan/turns.hpp)
@@ -137,6 +139,8 @@ class Formulation final : public nlp::Problem {
   std::vector<ConstraintValue> report(const Eigen::VectorXd& x) const;
   /// The same again at another point, without allocation. @param out made by report()
   void update_report(const Eigen::VectorXd& x, std::vector<ConstraintValue>& out) const;
+  /// The largest violation that it states.
+  double largest_violation(const Eigen::VectorXd& x) const;
   /// Of these the limits on rates, singular values and distances.
   std::vector<ConstraintValue> report_limits(const Eigen::VectorXd& x) const;
   /// Evaluations of the model since construction.

@@ -15,13 +15,21 @@ namespace {
 struct ShapeOrigin {
   int body;
   Vector3d p;
+  std::size_t number;
 
-  ShapeOrigin(const ClearanceShape& shape, const TargetPlacement& target)
+  ShapeOrigin(const ClearanceShape& shape, const TargetPlacement& target, std::size_t of_shape)
       : body(shape.body),
-        p(shape.body == kTargetBody ? target.R_ET * (shape.p - target.r) : shape.p) {}
+        p(shape.body == kTargetBody ? target.R_ET * (shape.p - target.r) : shape.p),
+        number(of_shape) {}
 
   /// In B, as placed() has it.
   Vector3d at(const ConstraintPoint<double>& point) const {
+    if (point.origins == nullptr || number >= ShapeOrigins::kMost) return placed_at(point);
+    return point.origins->at(number, [&] { return placed_at(point); });
+  }
+
+ private:
+  Vector3d placed_at(const ConstraintPoint<double>& point) const {
     const Kinematics<double>& kin = point.posture.kinematics;
     if (body >= 0) {
       const auto index = static_cast<std::size_t>(body);
@@ -85,12 +93,14 @@ void add_gradient_of_body(int body, const Vector3<S>& normal, const Vector3<S>& 
 /// The distance of a pair, at least the clearance.
 class PairDistance {
  public:
-  PairDistance(const ClearancePair& pair, const TargetPlacement& target, double clearance)
+  /// @param first, second numbers of the shapes
+  PairDistance(const ClearancePair& pair, const TargetPlacement& target, double clearance,
+               std::size_t first, std::size_t second)
       : pair_(pair),
         target_(target),
         clearance_(clearance),
-        first_(pair.first, target),
-        second_(pair.second, target),
+        first_(pair.first, target, first),
+        second_(pair.second, target, second),
         reach_(pair.first.reach() + pair.second.reach()) {}
 
   template <class S>
@@ -166,12 +176,22 @@ void add_clearance(const CaptureModel& model, ConstraintSet& out) {
     }
     target = target_placement(problem, encounter);
   }
+  // Shapes of one origin have one number.
+  std::vector<std::pair<int, Vector3d>> origins;
+  const auto number_of = [&](const ClearanceShape& shape) {
+    const std::pair<int, Vector3d> origin(shape.body, shape.p);
+    const auto known = std::find(origins.begin(), origins.end(), origin);
+    if (known != origins.end()) return static_cast<std::size_t>(known - origins.begin());
+    origins.push_back(origin);
+    return origins.size() - 1;
+  };
   const auto add = [&](const ClearancePair& pair, bool is_part) {
     ConstraintLabel label{pair.name, "m", *problem.constraints.clearance, kInfinity};
     label.is_limit = label.has_kinks = true;
     label.is_part = is_part;
     add_constraint(is_part ? out.parts : out.rows, label,
-                   PairDistance{pair, target, *problem.constraints.clearance});
+                   PairDistance{pair, target, *problem.constraints.clearance, number_of(pair.first),
+                                number_of(pair.second)});
   };
   for (const ClearancePair& pair : clearance_pairs(problem)) {
     add(pair, false);

@@ -5,6 +5,8 @@
 // any number type. registry.cpp lists these functions.
 #pragma once
 
+#include <array>
+#include <bitset>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +17,26 @@
 
 namespace stillbase {
 
+/// Origins of the shapes of distances at one point, in B: each is asked for by many pairs.
+class ShapeOrigins {
+ public:
+  static constexpr std::size_t kMost = 64;
+
+  /// @param i number of a shape, less than kMost
+  template <class Compute>
+  const Vector3d& at(std::size_t i, const Compute& compute) {
+    if (!is_known_[i]) {
+      is_known_[i] = true;
+      origins_[i] = compute();
+    }
+    return origins_[i];
+  }
+
+ private:
+  std::bitset<kMost> is_known_;
+  std::array<Vector3d, kMost> origins_;
+};
+
 /// What constraints are functions of.
 template <class S>
 struct ConstraintPoint {
@@ -22,6 +44,7 @@ struct ConstraintPoint {
   const Placement<S>& placement;
   const PostureImpact<S>& posture;  ///< set as far as the constraints need it
   const ScenarioImpact<S>& impact;  ///< nominal; set as far as the constraints need it
+  ShapeOrigins* origins = nullptr;  ///< of this point; null: none are kept
 };
 
 using GradientRow = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;

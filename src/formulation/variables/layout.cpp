@@ -159,6 +159,22 @@ double VariableLayout::distance(const CaptureProblem& problem, const Eigen::Vect
   return std::sqrt(sum);
 }
 
+bool VariableLayout::are_within(const CaptureProblem& problem, const Eigen::VectorXd& a,
+                                const Eigen::VectorXd& b, double most) const {
+  // Most are told apart by their joints.
+  constexpr double kRounding = 1e-9;
+  const double far = most * most * (1 + kRounding);
+  double sum = 0;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double d = a[k] - b[k];
+    const double apart = angles_[i] != Angle::Limited ? wrap_angle(d) : d;
+    sum += apart * apart;
+    if (sum > far) return false;
+  }
+  return distance(problem, a, b) <= most;
+}
+
 Eigen::VectorXd VariableLayout::difference(const Eigen::VectorXd& a,
                                            const Eigen::VectorXd& b) const {
   Eigen::VectorXd out = a - b;

@@ -34,6 +34,9 @@ struct VariableLayout {
   /// Distance on the configuration manifold: angles wrapped, rotations by their angle.
   double distance(const CaptureProblem& problem, const Eigen::VectorXd& a,
                   const Eigen::VectorXd& b) const;
+  /// Whether the distance is at most that.
+  bool are_within(const CaptureProblem& problem, const Eigen::VectorXd& a, const Eigen::VectorXd& b,
+                  double most) const;
   /// a - b, angles that are whole turns apart being equal: within [-pi, pi].
   Eigen::VectorXd difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// Continuous angles wrapped to (-pi, pi], those of joints with whole turns brought next to the
