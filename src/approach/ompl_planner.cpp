@@ -10,6 +10,7 @@
 #include <numeric>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <ompl/base/MotionValidator.h>
 #include <ompl/base/ProblemDefinition.h>
@@ -144,13 +145,27 @@ class WorldSampler : public SeededSampler {
   const Worlds& worlds_;
 };
 
+/// Keeps the latest answers: a simplifier asks again and again for the few motions between the
+/// points of a short path.
 class MotionCheck : public ob::MotionValidator {
  public:
   MotionCheck(const ob::SpaceInformationPtr& si, const Worlds& worlds)
       : ob::MotionValidator(si), worlds_(worlds) {}
 
   bool checkMotion(const ob::State* a, const ob::State* b) const override {
-    return worlds_.is_motion_valid(a, b);
+    const auto size = static_cast<std::size_t>(worlds_.getDimension());
+    const double *from = values_of(a), *to = values_of(b);
+    const auto is_same = [&](const Answer& known) {
+      return known.ends.size() == 2 * size && std::equal(from, from + size, known.ends.begin()) &&
+             std::equal(to, to + size, known.ends.begin() + static_cast<std::ptrdiff_t>(size));
+    };
+    const auto known = std::find_if(answers_.begin(), answers_.end(), is_same);
+    if (known != answers_.end()) return known->is_valid;
+    Answer& latest = answers_[next_++ % answers_.size()];
+    latest.ends.assign(from, from + size);
+    latest.ends.insert(latest.ends.end(), to, to + size);
+    latest.is_valid = worlds_.is_motion_valid(a, b);
+    return latest.is_valid;
   }
   // How far a motion is valid is not known; none of the planners used here asks.
   bool checkMotion(const ob::State* a, const ob::State* b,
@@ -162,7 +177,13 @@ class MotionCheck : public ob::MotionValidator {
   }
 
  private:
+  struct Answer {
+    std::vector<double> ends;  ///< both
+    bool is_valid = false;
+  };
   const Worlds& worlds_;
+  mutable std::array<Answer, 128> answers_;
+  mutable std::size_t next_ = 0;
 };
 
 /// Alternates OMPL's simplification steps until they no longer shorten the path.

@@ -39,7 +39,21 @@ struct Pair {
   std::size_t a = 0, b = 0;
   bool is_target = false;  ///< a belongs to the target
   bool is_hand_and_target = false;
+  /// Of two shapes that the base carries: bound on the change of their distance per motion of each
+  /// joint, m/rad (1). Joints that carry both do not move one against the other.
+  std::vector<double> levers = {};
 };
+
+/// See Pair::levers.
+std::vector<double> levers_between(const Item& a, const Item& b) {
+  if (a.carrier != Carrier::Robot || b.carrier != Carrier::Robot) return {};
+  std::vector<double> levers;
+  for (Eigen::Index k = 0; k < a.motion.lever.size(); ++k) {
+    const double of_a = a.motion.lever[k], of_b = b.motion.lever[k];
+    levers.push_back((of_a > 0) != (of_b > 0) ? std::max(of_a, of_b) : 0);
+  }
+  return levers;
+}
 
 }  // namespace
 
@@ -176,7 +190,8 @@ CollisionScene::CollisionScene(const RobotModel& robot, const SceneParts& parts)
   }
   const auto add = [&](std::size_t a, std::size_t b, bool is_hand_and_target) {
     if (is_allowed(parts.allowed_contacts, items[a].name, items[b].name)) return;
-    data->pairs.push_back({a, b, items[a].carrier == Carrier::Target, is_hand_and_target});
+    data->pairs.push_back({a, b, items[a].carrier == Carrier::Target, is_hand_and_target,
+                           levers_between(items[a], items[b])});
   };
   for (std::size_t i = 0; i < robot_count; ++i) {
     for (std::size_t j = i + 1; j < target_begin; ++j) {
@@ -234,6 +249,9 @@ namespace {
 /// What FCL may state too little, m, see fcl_distance(): a gap that exceeds it by more than that is
 /// one by FCL's distance, too.
 constexpr double kFclError = 1e-5;
+
+/// Shapes of a scene that need no heap.
+constexpr std::size_t kItemsInPlace = 32;
 
 /// A shape placed in B.
 struct Placed {
@@ -330,7 +348,7 @@ class Instant {
 
   const CollisionScene::Data& data_;
   bool has_target_;
-  InPlaceArray<Placed, 32> placed_;  // of items beyond it on the heap
+  InPlaceArray<Placed, kItemsInPlace> placed_;
 };
 
 Proximity proximity(const CollisionScene::Data& data, const Pair& pair, double distance) {
@@ -369,19 +387,32 @@ double motion_in_inertial(const Item& item, const SceneTravel& travel) {
   return travel.target_translation + travel.target_rotation * item.reach;
 }
 
-/// Bound on how much the distance of a pair can change.
-double pair_motion(const Item& a, const Item& b, const SceneTravel& travel) {
-  if (a.carrier != Carrier::Robot || b.carrier != Carrier::Robot) {
-    return motion_in_inertial(a, travel) + motion_in_inertial(b, travel);
+/// Bounds on how much the distances of pairs can change.
+class PairMotion {
+ public:
+  PairMotion(const CollisionScene::Data& data, const SceneTravel& travel) : travel_(travel) {
+    const bool are_all_on_base = std::all_of(data.pairs.begin(), data.pairs.end(),
+                                             [](const Pair& pair) { return !pair.levers.empty(); });
+    if (are_all_on_base) return;
+    in_inertial_.resize(data.items.size());
+    for (std::size_t i = 0; i < data.items.size(); ++i) {
+      in_inertial_[i] = motion_in_inertial(data.items[i], travel);
+    }
   }
-  // Joints that carry both do not move one against the other.
-  double motion = 0;
-  for (Eigen::Index k = 0; k < travel.joints.size(); ++k) {
-    const double lever_a = a.motion.lever[k], lever_b = b.motion.lever[k];
-    if ((lever_a > 0) != (lever_b > 0)) motion += travel.joints[k] * std::max(lever_a, lever_b);
+
+  double of(const Pair& pair) const {
+    if (pair.levers.empty()) return in_inertial_[pair.a] + in_inertial_[pair.b];
+    double motion = 0;
+    for (std::size_t k = 0; k < pair.levers.size(); ++k) {
+      motion += travel_.joints[static_cast<Eigen::Index>(k)] * pair.levers[k];
+    }
+    return motion;
   }
-  return motion;
-}
+
+ private:
+  const SceneTravel& travel_;
+  InPlaceArray<double, kItemsInPlace> in_inertial_;  ///< of each item
+};
 
 }  // namespace
 
@@ -420,11 +451,12 @@ SweepResult CollisionScene::sweep(const Kinematics<double>& kinematics, const Po
                                   const Pose* target, const SceneTravel& travel,
                                   double margin) const {
   const Instant instant(*data_, kinematics, base, target);
+  const PairMotion motions(*data_, travel);
   SweepResult result;
   double smallest_reserve = 0;
   for (const Pair& pair : data_->pairs) {
     if (!instant.is_present(pair)) continue;
-    const double motion = pair_motion(data_->items[pair.a], data_->items[pair.b], travel);
+    const double motion = motions.of(pair);
     double reserve = kInfinity;  // how much more the pair could have moved
     double distance = 0;
     if (instant.may_touch(pair)) {

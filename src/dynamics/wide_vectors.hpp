@@ -143,8 +143,7 @@ void wide_inertia(const RobotModel& robot, const KnownWidePoses& poses, const Wi
   const Body* const bodies = &robot.bodies[0];
   const auto n = static_cast<int>(robot.bodies.size());
   WideComposite subtrees[kWideBodies];
-  WideComposite total = {V{0, 0, 0, robot.base.mass},
-                         load3x3(numbers(robot.base.inertia))};
+  WideComposite total = {V{0, 0, 0, robot.base.mass}, load3x3(numbers(robot.base.inertia))};
   V v[kRoom], w[kRoom];  // twists of unit rates about the base centroid
   V p[kRoom], L[kRoom];  // momenta of the subtrees under them
   for (int k = 0; k < n; ++k) {

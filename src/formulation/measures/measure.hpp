@@ -32,7 +32,7 @@ struct RoughSolution : MeasureSolution {
 
 /// What ends a rough solve over fixed directions of the cone early.
 struct RoughLimits {
-  int evaluations = 30;  ///< of a solve with fixed directions: most of its descent
+  int evaluations = 24;  ///< of a solve with fixed directions: most of its descent
   /// Largest violation of its end, which is then moved onto the constraints. A descent seldom comes
   /// back onto curved constraints before it is over: were its points to satisfy them, half of those
   /// of deos_client_224 would end where they began.

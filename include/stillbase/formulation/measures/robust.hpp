@@ -36,7 +36,7 @@ struct WorstCase {
 };
 
 /// The objective's largest value over the problem's uncertainty cone at a configuration. A scan of
-/// rings (planar: of the wedge) followed by local refinement of the best places.
+/// rings (planar: of the wedge) followed by climbs from its peaks.
 WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration);
 
