@@ -103,7 +103,7 @@ class Stage {
 
   /// Other forms of a candidate as goals, those that touch nothing and keep the limits after the
   /// impact.
-  std::list<Goal> other_forms(std::size_t i) const {
+  std::list<Goal> other_forms(std::size_t i) {
     std::vector<Configuration> forms = other_turns_of(problem_, found_, i, options_.other_turns);
     for (Configuration& roll : other_rolls_of(problem_, found_, i, options_.other_rolls)) {
       forms.push_back(std::move(roll));
@@ -123,12 +123,19 @@ class Stage {
     for (const Candidate& trial : trials) {
       if (!after_.keeps_limits(trial.configuration)) continue;
       const Eigen::VectorXd x = variables_of_form(problem_, found_, i, trial.configuration);
-      CertifiedCandidate there = certify_candidate(problem_, x, trial, found_.certificates[i]);
+      CertifiedCandidate there =
+          certify_candidate(problem_, formulation(), x, trial, found_.certificates[i]);
       auto contact = contact_at(i, x, there.candidate);
       auto motion = collisions_.target_towards(there.candidate.configuration);
       out.push_back({i, std::move(there), false, std::move(motion), std::move(contact)});
     }
     return out;
+  }
+
+  /// Made when first asked for. Gives no simulations up: what is certified is stated.
+  const Formulation& formulation() {
+    if (formulation_ == nullptr) formulation_ = std::make_unique<const Formulation>(problem_);
+    return *formulation_;
   }
 
   void count_calls(const ContactRefinement& contact) {
@@ -420,24 +427,24 @@ class Stage {
     return goals;
   }
 
-  void add_samples(std::list<Goal>& goals) const {
+  void add_samples(std::list<Goal>& goals) {
     // Where every solution is enclosed there is no self-motion.
     if (proof_.status != ProofStatus::NotApplicable) return;
     const std::size_t beside = goals.front().candidate;
     const Candidate& best = found_.candidates[beside];
     std::vector<Eigen::VectorXd> points;
     for (const Goal& goal : goals) points.push_back(found_.points[goal.candidate]);
-    Formulation formulation(problem_);
-    formulation.give_up_simulations_at(options_.stop);
+    Formulation quick(problem_);
+    quick.give_up_simulations_at(options_.stop);
     for (const Eigen::VectorXd& x :
-         self_motion_samples(problem_, formulation, points, best, problem_.approach.goal_factor,
+         self_motion_samples(problem_, quick, points, best, problem_.approach.goal_factor,
                              problem_.approach.goal_samples, options_.stop, options_.self_motion)) {
       if (options_.stop.reached()) return;
       Candidate candidate = best;
       candidate.starts_reached = 0;
       candidate.family = -1;
       CertifiedCandidate sample =
-          certify_candidate(problem_, x, candidate, found_.certificates[beside]);
+          certify_candidate(problem_, formulation(), x, candidate, found_.certificates[beside]);
       collisions_.judge(sample.candidate);
       const Configuration at = sample.candidate.configuration;
       if (!sample.candidate.collision_free) continue;
@@ -458,6 +465,7 @@ class Stage {
   std::uint64_t seed_;
   AfterImpactJudge& after_;
   const PlannerOptions& options_;
+  std::unique_ptr<const Formulation> formulation_;
   ApproachOptions path_options_;
   std::map<std::string, long>& solver_calls_;
   CandidateOrder order_;

@@ -147,9 +147,9 @@ CandidateOrder candidates_to_try(const CaptureProblem& problem,
   return out;
 }
 
-CertifiedCandidate certify_candidate(const CaptureProblem& problem, const Eigen::VectorXd& x,
-                                     const Candidate& candidate, const Certificate& certificate) {
-  const Formulation formulation(problem);
+CertifiedCandidate certify_candidate(const CaptureProblem& problem, const Formulation& formulation,
+                                     const Eigen::VectorXd& x, const Candidate& candidate,
+                                     const Certificate& certificate) {
   Measure measure(problem, formulation);
   CertifiedCandidate out{candidate, certificate, formulation.report(x)};
   out.candidate.configuration = formulation.configuration(x);

@@ -114,10 +114,11 @@ struct CertifiedCandidate {
 };
 
 /// Evaluates and certifies the configuration of the variables x.
-/// @param problem as it is at the contact
+/// @param problem as it is at the contact, and its formulation
 /// @param candidate, certificate of the candidate that it replaces or stands beside; what does not
 ///   depend on the configuration is kept
-CertifiedCandidate certify_candidate(const CaptureProblem& problem, const Eigen::VectorXd& x,
-                                     const Candidate& candidate, const Certificate& certificate);
+CertifiedCandidate certify_candidate(const CaptureProblem& problem, const Formulation& formulation,
+                                     const Eigen::VectorXd& x, const Candidate& candidate,
+                                     const Certificate& certificate);
 
 }  // namespace stillbase

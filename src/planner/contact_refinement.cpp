@@ -134,7 +134,7 @@ CertifiedCandidate ContactRefinement::certify(const JointVectord& phi, const Pos
   const Eigen::VectorXd& x = at->second;
   const bool follows = problem_.approach.base == BaseMode::Floating;
   const CaptureProblem problem = follows ? stated_at(base) : problem_;
-  return certify_candidate(problem, x, candidate_, certificate_);
+  return certify_candidate(problem, Formulation(problem), x, candidate_, certificate_);
 }
 
 }  // namespace stillbase

@@ -207,8 +207,8 @@ void add_candidates_that_hold(const CaptureProblem& problem, const Formulation& 
       collisions.judge(candidate);
       if (!holds(candidate)) continue;
       if (!continuum.place(other.points[i], candidate, found)) continue;
-      const CertifiedCandidate certified =
-          certify_candidate(problem, other.points[i], candidate, found.certificates.front());
+      const CertifiedCandidate certified = certify_candidate(
+          problem, Formulation(problem), other.points[i], candidate, found.certificates.front());
       compare_nominal_optimum(certified.candidate, equal, found);
       insert_ranked(problem, certified, equal, other.worst_cases[i], other.points[i], found);
       ++added;

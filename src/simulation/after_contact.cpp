@@ -208,6 +208,19 @@ std::vector<AfterContact> simulate_after_contacts(const std::vector<ContactCase>
   return results;
 }
 
+namespace {
+
+/// Whether what follows an instant of a run depends on the state at that instant alone.
+bool is_without_memory(const PostImpactSpec& spec, const Controller& controller,
+                       const SimulationOptions& options) {
+  const bool counts_time =
+      controller.kind == ControllerKind::RnsHandback || controller.kind == ControllerKind::Detumble;
+  return spec.contact.model == ContactModel::Instantaneous && !counts_time &&
+         options.sensors.are_exact() && !options.friction && !options.base_wrench;
+}
+
+}  // namespace
+
 std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,
                                                 const PostImpactSpec& spec,
                                                 const Controller& controller,
@@ -239,9 +252,23 @@ std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,
   if (is_smooth && longer.control_period > 0 && longer.control_period <= longer.step) {
     longer.integrator = IntegratorKind::Rk4;
   }
-  const AfterContact after = simulate_after_contact(subject, spec, controller, longer);
+  if (!is_without_memory(spec, controller, options)) {
+    const AfterContact after = simulate_after_contact(subject, spec, controller, longer);
+    if (after.simulation.status != SimulationStatus::Finished) return std::nullopt;
+    state_first_stop(after);
+    return out;
+  }
+  // From the horizon on.
+  AfterContact after;
+  auto rest = prepare(subject, spec, controller, longer, after);
+  if (!rest) return std::nullopt;
+  rest->initial = run.simulation.trace.back().state;
+  rest->options.horizon -= options.horizon;
+  after.simulation =
+      simulate_post_impact(rest->robot, rest->resistance, rest->initial, controller, rest->options);
   if (after.simulation.status != SimulationStatus::Finished) return std::nullopt;
   state_first_stop(after);
+  if (out.stop_time) *out.stop_time += options.horizon;
   return out;
 }
 
