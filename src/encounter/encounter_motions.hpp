@@ -10,8 +10,11 @@ namespace stillbase {
 class EncounterMotions {
  public:
   /// @param problem outlives this
-  explicit EncounterMotions(const CaptureProblem& problem) : problem_(problem) {
-    if (problem.impulse.direction) return;
+  /// @param known of its estimate, if there is one already
+  explicit EncounterMotions(const CaptureProblem& problem,
+                            const std::optional<TargetMotion>& known = {})
+      : problem_(problem), of_estimate_(known) {
+    if (problem.impulse.direction || known) return;
     of_estimate_ = encounter_motion(problem, Vector3d::Zero(), problem.base.orientation, 0);
   }
 

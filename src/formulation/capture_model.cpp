@@ -17,11 +17,11 @@ PostureImpact<double> CaptureModel::hand(const Placement<double>& at) const {
   return evaluate_hand<double>(problem.robot, at.phi);
 }
 
-CaptureModel::CaptureModel(const CaptureProblem& p)
+CaptureModel::CaptureModel(const CaptureProblem& p, const EncounterModel& known)
     : problem(p),
       layout(p),
       resistance(prepare_resistance(p.resistance, p.robot.n())),
-      encounter(encounter_model(p)),
+      encounter(known),
       nominal(nominal_scenario(encounter)) {
   const auto refuse = [&p](const std::string& rule, const std::string& message) {
     throw InputError({Finding{p.source, 0, rule, message}});

@@ -69,7 +69,8 @@ struct CaptureModel {
 
   /// @throws InputError as encounter_model(), when nothing is free, or when the residual velocity
   ///   cannot be predicted
-  explicit CaptureModel(const CaptureProblem& p);
+  /// @param known encounter_model() of the problem
+  CaptureModel(const CaptureProblem& p, const EncounterModel& known);
 
   int n() const { return problem.robot.n(); }
   Configuration configuration(const Eigen::VectorXd& x) const;

@@ -66,8 +66,11 @@ std::string to_string(const std::vector<RedundantRow>& rows) {
   return out;
 }
 
-Formulation::Parts::Parts(const CaptureProblem& problem)
-    : model(problem), jump(problem), differenced(problem), constraints(constraints_of(model)) {
+Formulation::Parts::Parts(const CaptureProblem& problem, const EncounterModel& known)
+    : model(problem, known),
+      jump(problem),
+      differenced(problem),
+      constraints(constraints_of(model)) {
   if (model.residual && !differenced.empty()) {
     throw InputError({Finding{problem.source, 0, "not-supported",
                               "uncertainty.residual_velocity: needs objectives that are linear in "
@@ -91,6 +94,8 @@ void Formulation::Parts::select(SelectedRows selected) {
     rows_need_encounter = rows_need_encounter || row->needs_encounter || row->needs_impact;
     rows_need_impact = rows_need_impact || row->needs_impact;
   }
+  spheres.clear();
+  for (const Constraint* row : rows.kept) spheres.push_back(row->spheres());
 }
 
 PostureImpact<double> Formulation::Parts::posture_of_rows(const Placement<double>& at) const {
@@ -104,7 +109,11 @@ ScenarioImpact<double> Formulation::Parts::impact_of_rows(
   return {};
 }
 
-Formulation::Formulation(const CaptureProblem& problem) : parts_(std::make_unique<Parts>(problem)) {
+Formulation::Formulation(const CaptureProblem& problem)
+    : Formulation(problem, stillbase::encounter_model(problem)) {}
+
+Formulation::Formulation(const CaptureProblem& problem, const EncounterModel& known)
+    : parts_(std::make_unique<Parts>(problem, known)) {
   parts_->objective_unit = typical_objective(*parts_);
   remove_implied_rows();
 }
@@ -168,15 +177,21 @@ void Formulation::Parts::add_differenced(const Placement<double>& at, const Scen
       y.transpose() * differenced.jacobian(model, x, scenario, objective_unit, simulations_stop);
 }
 
-void Formulation::Parts::evaluate_rows(const ConstraintPoint<double>& there,
-                                       Eigen::VectorXd& values, Eigen::MatrixXd* jacobian,
-                                       double far) const {
-  ShapeOrigins origins;
-  ConstraintPoint<double> at = there;
-  at.origins = &origins;
+bool Formulation::Parts::surely_holds(std::size_t row, const ConstraintPoint<double>& at,
+                                      const ShapeOrigins& origins, double by) const {
+  const Constraint& constraint = *rows.kept[row];
+  const std::optional<ShapeSpheres>& about = spheres[row];
+  if (about && about->are_apart(origins, std::max(constraint.lower + by, 0.0))) return true;
+  // Closer bounds cost more than they spare for a distance that shall be larger.
+  return by == 0 && constraint.surely_holds(at);
+}
+
+void Formulation::Parts::evaluate_rows(const ConstraintPoint<double>& at, Eigen::VectorXd& values,
+                                       Eigen::MatrixXd* jacobian, double far) const {
+  const ShapeOrigins origins(constraints.shapes, at);
   for (std::size_t i = 0; i < rows.kept.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    if (far < kInfinity && rows.kept[i]->surely_holds(at, far)) {
+    if (far < kInfinity && surely_holds(i, at, origins, far)) {
       assert(std::isfinite(rows.kept[i]->lower) && !std::isfinite(rows.kept[i]->upper));
       values[row] = rows.kept[i]->lower + far;
       jacobian->row(row).setZero();
@@ -219,12 +234,13 @@ void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alo
   const auto placement = model.place<double>(x);
   const auto posture = parts_->posture_of_rows(placement);
   const auto nominal = parts_->impact_of_rows(placement, posture);
-  ShapeOrigins origins;
-  const ConstraintPoint<double> at{model, placement, posture, nominal, &origins};
+  const ConstraintPoint<double> at{model, placement, posture, nominal};
+  const ShapeOrigins origins(parts_->constraints.shapes, at);
   std::vector<const Constraint*> counting;
-  for (const Constraint* row : parts_->rows.kept) {
+  for (std::size_t i = 0; i < parts_->rows.kept.size(); ++i) {
+    const Constraint* row = parts_->rows.kept[i];
     if (!row->is_equation()) {
-      if (equations_alone || row->surely_holds(at, 0)) continue;
+      if (equations_alone || parts_->surely_holds(i, at, origins, 0)) continue;
       const double value = row->value(at);
       if (!(value > row->upper || value < row->lower)) continue;
     }
@@ -389,15 +405,16 @@ double Formulation::largest_violation(const Eigen::VectorXd& x) const {
   const auto posture = is_whole ? model.posture(placement) : parts_->posture_of_rows(placement);
   const auto impact = is_whole ? model.impact(placement, posture, model.nominal)
                                : parts_->impact_of_rows(placement, posture);
-  ShapeOrigins origins;
-  const ConstraintPoint<double> at{model, placement, posture, impact, &origins};
+  const ConstraintPoint<double> at{model, placement, posture, impact};
+  const ShapeOrigins origins(parts_->constraints.shapes, at);
   double worst = 0;
   const auto look_at = [&](const Constraint& row) {
-    if (!row.is_equation() && row.surely_holds(at, 0)) return;
     worst = std::max(worst, violation_of(row.value(at), row.lower, row.upper));
   };
-  for (const Constraint* row : parts_->rows.kept) {
-    if (!row->is_part) look_at(*row);
+  for (std::size_t i = 0; i < parts_->rows.kept.size(); ++i) {
+    const Constraint& row = *parts_->rows.kept[i];
+    if (row.is_part) continue;
+    if (row.is_equation() || !parts_->surely_holds(i, at, origins, 0)) look_at(row);
   }
   for (const Constraint* row : parts_->rows.reported) look_at(*row);
   for (const auto& row : parts_->constraints.reported) look_at(*row);

@@ -20,12 +20,14 @@ struct Formulation::Parts {
   double objective_unit = 1;
   ConstraintSet constraints;
   SelectedRows rows;  ///< of the constraints
+  /// Of each row that is kept; without shapes: of none.
+  std::vector<std::optional<ShapeSpheres>> spheres;
   /// Whether one of them does, as ConstraintLabel.
   bool rows_need_inertia = false, rows_need_encounter = false, rows_need_impact = false;
   StopCondition simulations_stop;
   std::atomic<long> evaluations = 0;
 
-  explicit Parts(const CaptureProblem& problem);
+  Parts(const CaptureProblem& problem, const EncounterModel& known);
 
   void select(SelectedRows selected);
   void count(long more) { evaluations.fetch_add(more, std::memory_order_relaxed); }
@@ -43,9 +45,12 @@ struct Formulation::Parts {
   PostureImpact<double> posture_of_rows(const Placement<double>& at) const;
   ScenarioImpact<double> impact_of_rows(const Placement<double>& at,
                                         const PostureImpact<double>& posture) const;
+  /// Whether a row that is kept is known to hold by more than `by` without being evaluated.
+  bool surely_holds(std::size_t row, const ConstraintPoint<double>& at, const ShapeOrigins& origins,
+                    double by) const;
   /// Values of the rows, and unless it is null their Jacobian; both have their sizes.
   /// @param far see nlp::Evaluation; only with a Jacobian
-  void evaluate_rows(const ConstraintPoint<double>& there, Eigen::VectorXd& values,
+  void evaluate_rows(const ConstraintPoint<double>& at, Eigen::VectorXd& values,
                      Eigen::MatrixXd* jacobian, double far = kInfinity) const;
 
   /// sum w_k grad f_k over scenarios + sum multipliers_i grad g_i.

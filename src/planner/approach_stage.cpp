@@ -30,10 +30,12 @@ std::string no_path_words(const Approach& approach) {
 
 class Stage {
  public:
-  Stage(const CaptureProblem& problem, const CollisionJudge& collisions, const SearchResult& found,
-        const Proof& proof, std::uint64_t seed, AfterImpactJudge& after,
-        const PlannerOptions& options, std::map<std::string, long>& solver_calls)
+  Stage(const CaptureProblem& problem, const EncounterModel& encounter,
+        const CollisionJudge& collisions, const SearchResult& found, const Proof& proof,
+        std::uint64_t seed, AfterImpactJudge& after, const PlannerOptions& options,
+        std::map<std::string, long>& solver_calls)
       : problem_(problem),
+        encounter_(encounter),
         collisions_(collisions),
         found_(found),
         proof_(proof),
@@ -134,7 +136,9 @@ class Stage {
 
   /// Made when first asked for. Gives no simulations up: what is certified is stated.
   const Formulation& formulation() {
-    if (formulation_ == nullptr) formulation_ = std::make_unique<const Formulation>(problem_);
+    if (formulation_ == nullptr) {
+      formulation_ = std::make_unique<const Formulation>(problem_, encounter_);
+    }
     return *formulation_;
   }
 
@@ -434,7 +438,7 @@ class Stage {
     const Candidate& best = found_.candidates[beside];
     std::vector<Eigen::VectorXd> points;
     for (const Goal& goal : goals) points.push_back(found_.points[goal.candidate]);
-    Formulation quick(problem_);
+    Formulation quick(problem_, encounter_);
     quick.give_up_simulations_at(options_.stop);
     for (const Eigen::VectorXd& x :
          self_motion_samples(problem_, quick, points, best, problem_.approach.goal_factor,
@@ -459,6 +463,7 @@ class Stage {
   }
 
   const CaptureProblem& problem_;
+  const EncounterModel& encounter_;
   const CollisionJudge& collisions_;
   const SearchResult& found_;
   const Proof& proof_;
@@ -478,11 +483,13 @@ class Stage {
 
 }  // namespace
 
-ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionJudge& collisions,
-                               const SearchResult& found, const Proof& proof, std::uint64_t seed,
-                               AfterImpactJudge& after, const PlannerOptions& options,
+ChosenApproach choose_approach(const CaptureProblem& problem, const EncounterModel& encounter,
+                               const CollisionJudge& collisions, const SearchResult& found,
+                               const Proof& proof, std::uint64_t seed, AfterImpactJudge& after,
+                               const PlannerOptions& options,
                                std::map<std::string, long>& solver_calls) {
-  return Stage(problem, collisions, found, proof, seed, after, options, solver_calls).choose();
+  return Stage(problem, encounter, collisions, found, proof, seed, after, options, solver_calls)
+      .choose();
 }
 
 }  // namespace stillbase

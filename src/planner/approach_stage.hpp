@@ -25,10 +25,12 @@ struct ChosenApproach {
 
 /// Approaches to the candidates of a search that were judged for collisions; see make_plan for the
 /// order.
+/// @param encounter encounter_model() of the problem
 /// @param seed of the paths
-ChosenApproach choose_approach(const CaptureProblem& problem, const CollisionJudge& collisions,
-                               const SearchResult& found, const Proof& proof, std::uint64_t seed,
-                               AfterImpactJudge& after, const PlannerOptions& options,
+ChosenApproach choose_approach(const CaptureProblem& problem, const EncounterModel& encounter,
+                               const CollisionJudge& collisions, const SearchResult& found,
+                               const Proof& proof, std::uint64_t seed, AfterImpactJudge& after,
+                               const PlannerOptions& options,
                                std::map<std::string, long>& solver_calls);
 
 }  // namespace stillbase

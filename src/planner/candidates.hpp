@@ -24,8 +24,10 @@ namespace stillbase {
 class CollisionJudge {
  public:
   /// @param problem outlives this
-  explicit CollisionJudge(const CaptureProblem& problem)
-      : problem_(problem), scene_(problem), motions_(problem) {}
+  /// @param known the motion in its encounter_model(), if there is one
+  explicit CollisionJudge(const CaptureProblem& problem,
+                          const std::optional<TargetMotion>& known = {})
+      : problem_(problem), scene_(problem), motions_(problem, known) {}
 
   /// Sets `collision` and `collision_free`.
   void judge(Candidate& candidate) const;
@@ -67,11 +69,11 @@ class AfterImpactJudge {
   /// @param clock takes the seconds; may be null
   AfterImpactJudge(const CaptureProblem& problem, const StopCondition& stop, int jobs,
                    PhaseClock* clock)
-      : problem_(problem),
-        model_(encounter_model(problem)),
-        stop_(stop),
-        jobs_(jobs),
-        clock_(clock) {}
+      : AfterImpactJudge(problem, encounter_model(problem), stop, jobs, clock) {}
+  /// @param model encounter_model() of the problem
+  AfterImpactJudge(const CaptureProblem& problem, const EncounterModel& model,
+                   const StopCondition& stop, int jobs, PhaseClock* clock)
+      : problem_(problem), model_(model), stop_(stop), jobs_(jobs), clock_(clock) {}
 
   /// The first limit that is exceeded; empty: none. What is not known when the stop is reached is
   /// not judged, and keeps no limits.

@@ -206,11 +206,12 @@ std::size_t select_candidate(const ChosenApproach& choice, const Formulation& fo
 
 /// Impact, objective and binding limits at the plan's configuration.
 /// @param known worst case there, if the search computed it
-void describe(const CaptureProblem& problem, const Candidate& best,
+void describe(const CaptureProblem& problem, const EncounterModel& encounter, const Candidate& best,
               const std::optional<WorstCase>& known, const PlannerOptions& options, Plan& plan) {
   plan.configuration = best.configuration;
   const CaptureProblem at = at_contact(problem, best.configuration);
-  const Formulation there(at);
+  const Formulation there =
+      base_follows_path(problem) ? Formulation(at) : Formulation(at, encounter);
   plan.impact = impact_at(at, there.encounter_model(), there.encounter(best.configuration),
                           best.configuration.phi);
   plan.objective.name = objective_name(problem);
@@ -348,7 +349,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   const std::map<std::string, PhaseClock::Seconds> before = options.clock->seconds();
   Formulation formulation(problem);
   formulation.give_up_simulations_at(options.stop);
-  const CollisionJudge collisions(problem);
+  const CollisionJudge collisions(problem, formulation.encounter_model().motion);
   Plan plan;
   plan.problem = problem;
   plan.optimizer = problem.search.optimizer;
@@ -360,7 +361,8 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     const PhaseClock::Phase phase(options.clock, "collision");
     collisions.judge_all(jobs_of(problem, options), options.stop, found.candidates);
   }
-  AfterImpactJudge after(problem, options.stop, jobs_of(problem, options), options.clock);
+  AfterImpactJudge after(problem, formulation.encounter_model(), options.stop,
+                         jobs_of(problem, options), options.clock);
   const bool is_allowed =
       !found.candidates.empty() && status_of(found.certificates.front()) != PlanStatus::Infeasible;
   if (is_allowed) take_forms_that_hold(problem, collisions, options, after, found);
@@ -377,8 +379,8 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
   if (solved) {
     if (options.on_progress) options.on_progress("after the impact", 0, 1);
     const PhaseClock::Phase phase(options.clock, "approach.choice");
-    choice = choose_approach(problem, collisions, found, proof, problem.search.seed, after, options,
-                             plan.solver_calls);
+    choice = choose_approach(problem, formulation.encounter_model(), collisions, found, proof,
+                             problem.search.seed, after, options, plan.solver_calls);
   }
   if (choice.approach.status == ApproachStatus::TimeOut && options.stop.is_interrupted()) {
     choice.approach.status = ApproachStatus::Interrupted;
@@ -397,7 +399,8 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
     plan.nominal_optimum = found.nominal_optimum;
     std::optional<WorstCase> known;
     if (!choice.certified) known = found.worst_cases[chosen];
-    describe(problem, found.candidates[chosen], known, options, plan);
+    describe(problem, formulation.encounter_model(), found.candidates[chosen], known, options,
+             plan);
     for (const auto& [i, reason] : choice.excluded) {
       if (i != chosen) found.candidates[i].excluded = reason;
     }

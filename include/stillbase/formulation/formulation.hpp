@@ -60,6 +60,8 @@ class Formulation final : public nlp::Problem {
   /// count), or when the problem's parts do not fit together (a simulated quantity without
   /// controller)
   explicit Formulation(const CaptureProblem& problem);
+  /// The same without another table of the target's motion. @param known encounter_model() of it
+  Formulation(const CaptureProblem& problem, const EncounterModel& known);
   ~Formulation() override;
 
   int num_variables() const override;

@@ -9,36 +9,18 @@
 
 namespace stillbase {
 
+// As placed() has it.
+Vector3d ShapeOrigin::at(const ConstraintPoint<double>& point) const {
+  const Kinematics<double>& kin = point.posture.kinematics;
+  if (body >= 0) {
+    const auto index = static_cast<std::size_t>(body);
+    return kin.o[index] + kin.R[index] * p;
+  }
+  if (body != kTargetBody) return p;
+  return kin.r_bh + point.placement.contact.R_EB.transpose() * p;
+}
+
 namespace {
-
-/// Origin of a shape, in the frame of its body; of the target's, from the hand in contact axes.
-struct ShapeOrigin {
-  int body;
-  Vector3d p;
-  std::size_t number;
-
-  ShapeOrigin(const ClearanceShape& shape, const TargetPlacement& target, std::size_t of_shape)
-      : body(shape.body),
-        p(shape.body == kTargetBody ? target.R_ET * (shape.p - target.r) : shape.p),
-        number(of_shape) {}
-
-  /// In B, as placed() has it.
-  Vector3d at(const ConstraintPoint<double>& point) const {
-    if (point.origins == nullptr || number >= ShapeOrigins::kMost) return placed_at(point);
-    return point.origins->at(number, [&] { return placed_at(point); });
-  }
-
- private:
-  Vector3d placed_at(const ConstraintPoint<double>& point) const {
-    const Kinematics<double>& kin = point.posture.kinematics;
-    if (body >= 0) {
-      const auto index = static_cast<std::size_t>(body);
-      return kin.o[index] + kin.R[index] * p;
-    }
-    if (body != kTargetBody) return p;
-    return kin.r_bh + point.placement.contact.R_EB.transpose() * p;
-  }
-};
 
 /// Axes of a shape, from those of its body.
 template <class S>
@@ -99,9 +81,7 @@ class PairDistance {
       : pair_(pair),
         target_(target),
         clearance_(clearance),
-        first_(pair.first, target, first),
-        second_(pair.second, target, second),
-        reach_(pair.first.reach() + pair.second.reach()) {}
+        spheres_{first, second, pair.first.reach() + pair.second.reach()} {}
 
   template <class S>
   S operator()(const ConstraintPoint<S>& at, ScalarGradient<S>* gradient) const {
@@ -114,23 +94,20 @@ class PairDistance {
     return found.distance;
   }
 
-  /// Spheres about the shapes are looked at first: most pairs are far apart. For a distance that
-  /// shall be larger, closer bounds cost more than they spare.
-  bool surely_holds(const ConstraintPoint<double>& at, double by) const {
+  /// Most pairs are far apart.
+  ShapeSpheres spheres() const { return spheres_; }
+  bool surely_holds(const ConstraintPoint<double>& at) const {
     constexpr double kRounding = 1e-9;  // m
-    const double enough = std::max(clearance_ + by, 0.0) + kRounding;
-    const double apart = reach_ + enough;
-    if ((first_.at(at) - second_.at(at)).squaredNorm() > apart * apart) return true;
-    return by == 0 && is_beyond(placed<double>(pair_.first, target_, at),
-                                placed<double>(pair_.second, target_, at), enough);
+    return is_beyond(placed<double>(pair_.first, target_, at),
+                     placed<double>(pair_.second, target_, at),
+                     std::max(clearance_, 0.0) + kRounding);
   }
 
  private:
   ClearancePair pair_;
   TargetPlacement target_;
   double clearance_;
-  ShapeOrigin first_, second_;
-  double reach_;  ///< of both, m
+  ShapeSpheres spheres_;
 };
 
 /// Where faces of two boxes are parallel their distance is the least of those of several corners,
@@ -177,13 +154,15 @@ void add_clearance(const CaptureModel& model, ConstraintSet& out) {
     target = target_placement(problem, encounter);
   }
   // Shapes of one origin have one number.
-  std::vector<std::pair<int, Vector3d>> origins;
   const auto number_of = [&](const ClearanceShape& shape) {
-    const std::pair<int, Vector3d> origin(shape.body, shape.p);
-    const auto known = std::find(origins.begin(), origins.end(), origin);
-    if (known != origins.end()) return static_cast<std::size_t>(known - origins.begin());
-    origins.push_back(origin);
-    return origins.size() - 1;
+    const Vector3d p =
+        shape.body == kTargetBody ? Vector3d(target.R_ET * (shape.p - target.r)) : shape.p;
+    const auto known = std::find_if(
+        out.shapes.begin(), out.shapes.end(),
+        [&](const ShapeOrigin& other) { return other.body == shape.body && other.p == p; });
+    if (known != out.shapes.end()) return static_cast<std::size_t>(known - out.shapes.begin());
+    out.shapes.push_back({shape.body, p});
+    return out.shapes.size() - 1;
   };
   const auto add = [&](const ClearancePair& pair, bool is_part) {
     ConstraintLabel label{pair.name, "m", *problem.constraints.clearance, kInfinity};

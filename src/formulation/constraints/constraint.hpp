@@ -5,8 +5,6 @@
 // any number type. registry.cpp lists these functions.
 #pragma once
 
-#include <array>
-#include <bitset>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,24 +15,44 @@
 
 namespace stillbase {
 
-/// Origins of the shapes of distances at one point, in B: each is asked for by many pairs.
+template <class S>
+struct ConstraintPoint;
+
+/// Origin of a shape whose distances are bounded, in the frame of its body; of the target's, from
+/// the hand in contact axes.
+struct ShapeOrigin {
+  int body;  ///< index, kBase or kTargetBody
+  Vector3d p;
+
+  /// In B.
+  Vector3d at(const ConstraintPoint<double>& point) const;
+};
+
+/// Origins of all shapes of distances at one point, in B: many pairs ask for each.
 class ShapeOrigins {
  public:
-  static constexpr std::size_t kMost = 64;
-
-  /// @param i number of a shape, less than kMost
-  template <class Compute>
-  const Vector3d& at(std::size_t i, const Compute& compute) {
-    if (!is_known_[i]) {
-      is_known_[i] = true;
-      origins_[i] = compute();
-    }
-    return origins_[i];
+  ShapeOrigins(const std::vector<ShapeOrigin>& shapes, const ConstraintPoint<double>& point) {
+    origins_.resize(shapes.size());
+    for (std::size_t i = 0; i < shapes.size(); ++i) origins_[i] = shapes[i].at(point);
   }
+  const Vector3d& operator[](std::size_t shape) const { return origins_[shape]; }
 
  private:
-  std::bitset<kMost> is_known_;
-  std::array<Vector3d, kMost> origins_;
+  InPlaceArray<Vector3d, 64> origins_;
+};
+
+/// Spheres about the two shapes of a distance, which is no less than that of their origins without
+/// `reach`.
+struct ShapeSpheres {
+  std::size_t first, second;  ///< numbers of the shapes
+  double reach;               ///< both radii, m
+
+  /// Whether the distance is surely more. @param enough not negative, m
+  bool are_apart(const ShapeOrigins& origins, double enough) const {
+    constexpr double kRounding = 1e-9;  // m
+    const double apart = reach + enough + kRounding;
+    return (origins[first] - origins[second]).squaredNorm() > apart * apart;
+  }
 };
 
 /// What constraints are functions of.
@@ -44,7 +62,6 @@ struct ConstraintPoint {
   const Placement<S>& placement;
   const PostureImpact<S>& posture;  ///< set as far as the constraints need it
   const ScenarioImpact<S>& impact;  ///< nominal; set as far as the constraints need it
-  ShapeOrigins* origins = nullptr;  ///< of this point; null: none are kept
 };
 
 using GradientRow = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
@@ -96,9 +113,11 @@ class Constraint : public ConstraintLabel {
   /// out += multiplier * gradient.
   virtual void add_gradient(const ConstraintPoint<Tangent>& at, double multiplier,
                             VectorX<Tangent>& out) const = 0;
-  /// Whether the value is known to lie within its bounds by more than `by` without being evaluated;
-  /// of rows with a lower bound alone.
-  virtual bool surely_holds(const ConstraintPoint<double>&, double /*by*/) const { return false; }
+  /// Whether the value is known to lie within its bounds without being evaluated; of rows with a
+  /// lower bound alone.
+  virtual bool surely_holds(const ConstraintPoint<double>&) const { return false; }
+  /// Of a distance: a quick way to see that it is far from its bound.
+  virtual std::optional<ShapeSpheres> spheres() const { return std::nullopt; }
   /// Whether add_gradient() is exact.
   virtual bool has_hessian() const { return true; }
 };
@@ -133,11 +152,16 @@ class ConstraintFrom final : public Constraint {
     at.model.compress_into(at.placement, gradient, row);
     out += row * Tangent(multiplier);
   }
-  bool surely_holds(const ConstraintPoint<double>& at, double by) const override {
-    if constexpr (requires { evaluate_.surely_holds(at, by); }) {
-      return evaluate_.surely_holds(at, by);
+  bool surely_holds(const ConstraintPoint<double>& at) const override {
+    if constexpr (requires { evaluate_.surely_holds(at); }) {
+      return evaluate_.surely_holds(at);
     }
     return false;
+  }
+
+  std::optional<ShapeSpheres> spheres() const override {
+    if constexpr (requires { evaluate_.spheres(); }) return evaluate_.spheres();
+    return std::nullopt;
   }
 
  private:
@@ -147,10 +171,11 @@ class ConstraintFrom final : public Constraint {
 using Constraints = std::vector<std::unique_ptr<Constraint>>;
 
 struct ConstraintSet {
-  Constraints rows;      ///< for the optimizers
-  Constraints parts;     ///< of rows with kinks: for the optimizers, and not reported
-  Constraints implied;   ///< hold where the rows do: reported
-  Constraints reported;  ///< change with no variable: reported
+  Constraints rows;                 ///< for the optimizers
+  Constraints parts;                ///< of rows with kinks: for the optimizers, and not reported
+  Constraints implied;              ///< hold where the rows do: reported
+  Constraints reported;             ///< change with no variable: reported
+  std::vector<ShapeOrigin> shapes;  ///< of distances, as ShapeSpheres number them
 };
 
 /// Appends a constraint from a generic lambda.

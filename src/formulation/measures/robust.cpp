@@ -22,15 +22,24 @@ ConeScan scan_of(const DirectionModel& model) {
   return model.differenced.is_simulated() ? kSimulatedScan : ConeScan{};
 }
 
+/// Unit vectors evenly around.
+std::vector<Eigen::Vector2d> around(int count) {
+  std::vector<Eigen::Vector2d> out;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * kPi * i / count;
+    out.emplace_back(std::cos(angle), std::sin(angle));
+  }
+  return out;
+}
+
 /// Compass search: steps of one size while they lead up.
 Place ascend(const DirectionModel& model, Place place, double step) {
-  const int compass = model.planar ? 2 : 8;
+  static const std::vector<Eigen::Vector2d> rose = around(8), wedge = around(2);
+  const std::vector<Eigen::Vector2d>& compass = model.planar ? wedge : rose;
   for (bool moved = true; moved;) {
     moved = false;
-    for (int i = 0; i < compass; ++i) {
-      const double angle = 2 * kPi / compass * i;
-      const Eigen::Vector2d c =
-          model.project(place.c + step * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    for (const Eigen::Vector2d& side : compass) {
+      const Eigen::Vector2d c = model.project(place.c + step * side);
       const double value = model.value(c);
       if (value > place.value * (1 + 1e-14)) {
         place = {c, value};
