@@ -337,7 +337,7 @@ TEST_CASE("a margin counts the singular values of the generic rank only") {
   Random random(66);
   CaptureProblem problem = point_mass_problem(random_planar_robot(random, 3), {0.6, 0.8, 0});
   problem.constraints.coupling_singular_value_min = 1e-3;
-  const CaptureModel model(problem);
+  const CaptureModel model(problem, encounter_model(problem));
   const auto at =
       model.place<double>(model.layout.start_point(problem, low_discrepancy_point(3, 3, 0)));
   const auto posture = model.posture(at);

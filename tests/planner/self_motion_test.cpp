@@ -33,7 +33,7 @@ TEST_CASE("samples of the self-motion hold the hand, are as good as asked and di
   REQUIRE(samples.size() >= 3);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const CertifiedCandidate at =
-        certify_candidate(problem, samples[i], best, found.certificates.front());
+        certify_candidate(problem, formulation, samples[i], best, found.certificates.front());
     CHECK(at.candidate.max_violation <= 1e-9);
     CHECK(is_good(problem, at.candidate, best, 1.5));
     CHECK((at.candidate.configuration.phi - best.configuration.phi).norm() > 0.19);
