@@ -67,8 +67,9 @@ bool measure(const CaptureProblem& problem, int seeds) {
     std::map<std::string, long> calls;
     const std::clock_t begin = std::clock();
     AfterImpactJudge after(problem, {}, 1, nullptr);
-    const ChosenApproach choice = choose_approach(
-        problem, collisions, found, proof, static_cast<std::uint64_t>(seed), after, {}, calls);
+    const ChosenApproach choice =
+        choose_approach(problem, formulation.encounter_model(), collisions, found, proof,
+                        static_cast<std::uint64_t>(seed), after, {}, calls);
     seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
     if (choice.approach.status != ApproachStatus::Found) continue;
     ++reached;
