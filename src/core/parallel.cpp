@@ -121,9 +121,9 @@ class ThreadCrew::Threads {
         help_with(**other, lock);
         std::fesetround(job.rounding);
       } else {
-        is_caller_free_ = is_outermost;
+        if (is_outermost) is_caller_free_ = true;
         is_left_.wait(lock);
-        is_caller_free_ = false;
+        if (is_outermost) is_caller_free_ = false;
       }
     }
   }

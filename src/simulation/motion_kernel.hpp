@@ -1,6 +1,8 @@
 // Terms and accelerations of the equation of motion (3), for any number type.
 #pragma once
 
+#include <type_traits>
+
 #include "dynamics/bias_kernel.hpp"
 #include "dynamics/inertia_factor_kernel.hpp"
 #include "dynamics/inertia_kernel.hpp"
@@ -14,7 +16,13 @@ namespace kernel {
 template <class S, class Robot>
 InertiaMatrices<S> inertia_with_rotors(const Robot& robot, const Kinematics<S>& kin,
                                        const JointVectord& rotor_inertia) {
-  InertiaMatrices<S> out = inertia<S>(robot, kin);
+  // Of a robot as it is, where compute_inertia() knows a quicker way.
+  InertiaMatrices<S> out = [&] {
+    if constexpr (std::is_same_v<Robot, RobotModel>)
+      return compute_inertia(robot, kin);
+    else
+      return inertia<S>(robot, kin);
+  }();
   for (int k = 0; k < robot.n(); ++k) out.H_phi(k, k) += S(rotor_inertia[k]);
   return out;
 }

@@ -503,11 +503,13 @@ TEST_CASE("a problem without variables is taken further by analyze") {
 
 TEST_CASE("candidates that were not judged before a limit are not called colliding") {
   const Workshop shop;
-  const Outcome outcome =
-      shop.run("plan '" + source_path("problems/planar_three_link_client.yaml") +
-               "' --time-limit 0.05 -o plan.json");
+  // However quick the machine, the limit comes within the search.
+  shop.write_changed("many.yaml", "problems/planar_three_link_client.yaml", "starts: 64",
+                     "starts: 20000");
+  const Outcome outcome = shop.run("plan many.yaml --time-limit 0.05 -o plan.json");
   INFO(outcome.err);
   CHECK(outcome.code == 6);
+  CHECK(outcome.says(" candidates"));
   CHECK_FALSE(outcome.says(" 0 of them free of collision"));
 }
 
