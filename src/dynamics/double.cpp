@@ -14,16 +14,17 @@ namespace stillbase {
 
 namespace {
 
-const WideKernel& wide_kernel() {
-  static const WideKernel& widest = []() -> const WideKernel& {
+/// Null where the processor has no such registers.
+const WideKernel* wide_kernel() {
+  static const WideKernel* const kernel = [] {
     const WideKernel* wide = wide_kernel_avx2();
-    return wide != nullptr && wide->runs_here() ? *wide : *wide_kernel_any_machine();
+    return wide != nullptr && wide->runs_here() ? wide : nullptr;
   }();
-  return widest;
+  return kernel;
 }
 
 bool is_wide(const RobotModel& robot) {
-  return robot.num_bodies() > 0 && robot.num_bodies() <= kWideBodies;
+  return robot.num_bodies() > 0 && robot.num_bodies() <= kWideBodies && wide_kernel() != nullptr;
 }
 
 Kinematics<double> kinematics_in_registers(const RobotModel& robot, const JointVectord& phi) {
@@ -41,8 +42,8 @@ Kinematics<double> kinematics_in_registers(const RobotModel& robot, const JointV
   }
   for (int k = kin.n; k % kSinesAtOnce != 0; ++k) angle[k] = 0;
   sines_and_cosines(angle.data(), kin.n, sine.data(), cosine.data());
-  wide_kernel().kinematics(robot, position.data(), sine.data(), cosine.data(),
-                           {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()});
+  wide_kernel()->kinematics(robot, position.data(), sine.data(), cosine.data(),
+                            {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()});
   kernel::place_hand(robot, kin);
   return kin;
 }
@@ -57,7 +58,7 @@ InertiaMatrices<double> inertia_in_registers(const RobotModel& robot,
   out.H_bphi.resize(6, n);
   out.H_phi.resize(n, n);
   RigidInertia<double> total;
-  wide_kernel().inertia(
+  wide_kernel()->inertia(
       robot, {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()},
       {out.I.data()->data(), &out.subtree[0].m, out.H_bphi.data(), out.H_phi.data(), &total.m});
   kernel::describe_whole(total, out);

@@ -1,9 +1,9 @@
 // The dynamics of a robot on doubles, with vectors of three numbers in wide registers.
 //
 // A single posture keeps a processor waiting: each rotation takes the one before. With a vector per
-// instruction there is a third of them. No products are fused with sums, so that the digits are the
-// same on every machine. What this header names takes plain numbers: the source files for wide
-// registers share no inline function on doubles with the rest of the program.
+// instruction there is a third of them. Other processors take the templates, whose sums have
+// another order: results differ by rounding. What this header names takes plain numbers: the source
+// file for wide registers shares no inline function on doubles with the rest of the program.
 #pragma once
 
 #include <stillbase/robot/robot_model.hpp>
@@ -44,6 +44,5 @@ struct WideKernel {
 
 /// Null where the compiler has no such registers.
 const WideKernel* wide_kernel_avx2();
-const WideKernel* wide_kernel_any_machine();
 
 }  // namespace stillbase
