@@ -1,4 +1,3 @@
-#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
 #include <stdexcept>
@@ -8,9 +7,6 @@
 namespace stillbase {
 
 std::string sha256_hex(std::string_view bytes) {
-  // A digest needs no configuration of the machine, and reading it takes a millisecond.
-  static const int ready = OPENSSL_init_crypto(OPENSSL_INIT_NO_LOAD_CONFIG, nullptr);
-  if (ready != 1) throw std::runtime_error("libcrypto does not start");
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int length = 0;
   if (EVP_Digest(bytes.data(), bytes.size(), digest, &length, EVP_sha256(), nullptr) != 1) {
