@@ -7,7 +7,6 @@
 #include "dynamics/jacobian_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "dynamics/momentum_kernel.hpp"
-
 #include "dynamics/wide_kernel.hpp"
 
 namespace stillbase {
@@ -30,19 +29,11 @@ bool is_wide(const RobotModel& robot) {
 Kinematics<double> kinematics_in_registers(const RobotModel& robot, const JointVectord& phi) {
   assert(phi.size() == robot.n());
   Kinematics<double> kin;
-  kin.n = robot.num_bodies();
-  kin.R.resize(kin.n);
-  kin.o.resize(kin.n);
-  kin.c.resize(kin.n);
-  BodyWorkspace<double, double> position, angle, sine, cosine;
-  const std::vector<Joint>& tree = robot.tree();
-  for (int k = 0; k < kin.n; ++k) {
-    position[k] = kernel::joint_position<double>(robot, phi, k);
-    angle[k] = tree[k].is_prismatic() ? 0 : position[k];
-  }
-  for (int k = kin.n; k % kSinesAtOnce != 0; ++k) angle[k] = 0;
-  sines_and_cosines(angle.data(), kin.n, sine.data(), cosine.data());
-  wide_kernel()->kinematics(robot, position.data(), sine.data(), cosine.data(),
+  kernel::make_room(robot.num_bodies(), kin);
+  BodyWorkspace<double, double> position;
+  for (int k = 0; k < kin.n; ++k) position[k] = kernel::joint_position<double>(robot, phi, k);
+  const kernel::JointSines sines(robot, phi);
+  wide_kernel()->kinematics(robot, position.data(), sines.sine.data(), sines.cosine.data(),
                             {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()});
   kernel::place_hand(robot, kin);
   return kin;

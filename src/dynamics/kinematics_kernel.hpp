@@ -44,26 +44,49 @@ void place_hand(const Robot& robot, Kinematics<S>& kin) {
   }
 }
 
+/// Room for the poses of n bodies.
+template <class S>
+void make_room(int n, Kinematics<S>& kin) {
+  kin.n = n;
+  kin.R.resize(n);
+  kin.o.resize(n);
+  kin.c.resize(n);
+}
+
+/// Sines and cosines of the joints' angles, all at once; those of prismatic joints do not count.
+struct JointSines {
+  BodyWorkspace<double, double> sine, cosine;
+
+  template <class Robot>
+  JointSines(const Robot& robot, const JointVectord& phi) {
+    static_assert(kMaxJoints % kSinesAtOnce == 0);
+    const std::vector<Joint>& tree = robot.tree();
+    const int n = robot.num_bodies();
+    BodyWorkspace<double, double> angle;
+    for (int k = 0; k < n; ++k) {
+      angle[k] = tree[k].is_prismatic() ? 0 : joint_position<double>(robot, phi, k);
+    }
+    for (int k = n; k % kSinesAtOnce != 0; ++k) angle[k] = 0;
+    sines_and_cosines(angle.data(), n, sine.data(), cosine.data());
+  }
+};
+
 template <class S, class Robot>
 Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
   assert(phi.size() == robot.n());
   Kinematics<S> kin;
-  kin.n = robot.num_bodies();
-  kin.R.resize(kin.n);
-  kin.o.resize(kin.n);
-  kin.c.resize(kin.n);
+  make_room(robot.num_bodies(), kin);
   Matrix3<S>* const R = kin.R.data();
   Vector3<S>* const o = kin.o.data();
   const std::vector<Joint>& tree = robot.tree();
   const auto position = [&robot, &phi](int k) { return joint_position<S>(robot, phi, k); };
   constexpr bool kAllAtOnce = std::is_same_v<S, double>;
-  BodyWorkspace<double, double> angle, sine, cosine;
-  if constexpr (kAllAtOnce) {
-    static_assert(kMaxJoints % kSinesAtOnce == 0);
-    for (int k = 0; k < kin.n; ++k) angle[k] = tree[k].is_prismatic() ? 0 : position(k);
-    for (int k = kin.n; k % kSinesAtOnce != 0; ++k) angle[k] = 0;
-    sines_and_cosines(angle.data(), kin.n, sine.data(), cosine.data());
-  }
+  [[maybe_unused]] const auto sines = [&] {
+    if constexpr (kAllAtOnce)
+      return JointSines(robot, phi);
+    else
+      return 0;
+  }();
   for (int k = 0; k < kin.n; ++k) {
     const Joint& joint = tree[k];
     Matrix3<S> A;
@@ -81,8 +104,8 @@ Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
     } else {
       S s, c;
       if constexpr (kAllAtOnce) {
-        s = sine[k];
-        c = cosine[k];
+        s = sines.sine[k];
+        c = sines.cosine[k];
       } else {
         sin_and_cos(position(k), s, c);
       }

@@ -48,6 +48,18 @@ double typical_objective(const Formulation::Parts& parts) {
   return whole > 0 ? whole : 1;
 }
 
+/// Calls use(variable, lower, upper) for each joint that is a variable and has limits.
+template <class Use>
+void for_each_limited_joint(const CaptureModel& model, const Use& use) {
+  const VariableLayout& layout = model.layout;
+  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
+    const Joint& joint = model.problem.robot.joints[static_cast<std::size_t>(layout.joints[i])];
+    if (joint.type == JointType::Continuous) continue;
+    const auto j = static_cast<Eigen::Index>(i);
+    use(j, layout.lower_limit[j], layout.upper_limit[j]);
+  }
+}
+
 /// Where a user's function is not defined no limit is kept.
 double violation_of(double value, double lower, double upper) {
   if (!std::isfinite(value)) return kInfinity;
@@ -388,13 +400,8 @@ void Formulation::update_report(const Eigen::VectorXd& x, std::vector<Constraint
   }
   for (const Constraint* row : parts_->rows.reported) set_row(*row);
   for (const auto& row : parts_->constraints.reported) set_row(*row);
-  const VariableLayout& layout = model.layout;
-  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
-    const Joint& joint = model.problem.robot.joints[static_cast<std::size_t>(layout.joints[i])];
-    if (joint.type == JointType::Continuous) continue;
-    const auto j = static_cast<Eigen::Index>(i);
-    set(x[j], layout.lower_limit[j], layout.upper_limit[j]);
-  }
+  for_each_limited_joint(
+      model, [&](Eigen::Index j, double lower, double upper) { set(x[j], lower, upper); });
 }
 
 double Formulation::largest_violation(const Eigen::VectorXd& x) const {
@@ -418,13 +425,9 @@ double Formulation::largest_violation(const Eigen::VectorXd& x) const {
   }
   for (const Constraint* row : parts_->rows.reported) look_at(*row);
   for (const auto& row : parts_->constraints.reported) look_at(*row);
-  const VariableLayout& layout = model.layout;
-  for (std::size_t i = 0; i < layout.joints.size(); ++i) {
-    const Joint& joint = model.problem.robot.joints[static_cast<std::size_t>(layout.joints[i])];
-    if (joint.type == JointType::Continuous) continue;
-    const auto j = static_cast<Eigen::Index>(i);
-    worst = std::max(worst, violation_of(x[j], layout.lower_limit[j], layout.upper_limit[j]));
-  }
+  for_each_limited_joint(model, [&](Eigen::Index j, double lower, double upper) {
+    worst = std::max(worst, violation_of(x[j], lower, upper));
+  });
   return worst;
 }
 

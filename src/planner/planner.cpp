@@ -279,11 +279,13 @@ void share_time(double wall, double processor, PhaseClock* clock,
   }
 }
 
-/// Plans for every feature that the problem names, several at a time, and the best of them.
+/// Plans for every feature that the problem names, and the best of them. Several at a time, unless
+/// there is a deadline: it may leave one plan whole, or all of them in parts.
 Plan plan_features(const CaptureProblem& problem, const PlannerOptions& options) {
   const std::vector<std::string>& features = problem.variables.features;
   const auto count = static_cast<int>(features.size());
-  const int jobs = jobs_of(problem, options);
+  const bool is_limited = options.stop.deadline != StopCondition::Clock::time_point::max();
+  const int jobs = is_limited ? 1 : jobs_of(problem, options);
   const bool is_shared = jobs > 1;
   const auto begin = Clock::now();
   const std::clock_t processor = std::clock();

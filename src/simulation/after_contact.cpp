@@ -252,23 +252,22 @@ std::optional<AfterHorizon> look_beyond_horizon(const ContactCase& subject,
   if (is_smooth && longer.control_period > 0 && longer.control_period <= longer.step) {
     longer.integrator = IntegratorKind::Rk4;
   }
-  if (!is_without_memory(spec, controller, options)) {
-    const AfterContact after = simulate_after_contact(subject, spec, controller, longer);
-    if (after.simulation.status != SimulationStatus::Finished) return std::nullopt;
-    state_first_stop(after);
-    return out;
-  }
-  // From the horizon on.
   AfterContact after;
-  auto rest = prepare(subject, spec, controller, longer, after);
-  if (!rest) return std::nullopt;
-  rest->initial = run.simulation.trace.back().state;
-  rest->options.horizon -= options.horizon;
-  after.simulation =
-      simulate_post_impact(rest->robot, rest->resistance, rest->initial, controller, rest->options);
+  std::optional<PostImpactRun> rest;  // from the horizon on
+  if (is_without_memory(spec, controller, options)) {
+    rest = prepare(subject, spec, controller, longer, after);
+  }
+  if (rest) {
+    rest->initial = run.simulation.trace.back().state;
+    rest->options.horizon -= options.horizon;
+    after.simulation = simulate_post_impact(rest->robot, rest->resistance, rest->initial,
+                                            controller, rest->options);
+  } else {
+    after = simulate_after_contact(subject, spec, controller, longer);
+  }
   if (after.simulation.status != SimulationStatus::Finished) return std::nullopt;
   state_first_stop(after);
-  if (out.stop_time) *out.stop_time += options.horizon;
+  if (rest && out.stop_time) *out.stop_time += options.horizon;
   return out;
 }
 
