@@ -20,7 +20,7 @@ ArticulatedBodies<S> factorize_articulated_bodies(const RobotModel& robot, const
   BodyWorkspace<Matrix6<S>, S> articulated;
   for (int k = 0; k < kin.n; ++k) {
     out.I[k] = inertia_in_base_axes(robot, kin, k);
-    articulated[k] = spatial_inertia(inertia_about_base(robot, kin, k, out.I[k]));
+    put_spatial_inertia(inertia_about_base(robot, kin, k, out.I[k]), articulated[k]);
     const Vector3<S> z = kin.z(k);
     if (robot.joints[k].is_prismatic()) {
       out.axis[k] << z, Vector3<S>::Zero();
@@ -28,8 +28,10 @@ ArticulatedBodies<S> factorize_articulated_bodies(const RobotModel& robot, const
       out.axis[k] << kin.o[k].cross(z), z;
     }
   }
-  Matrix6<S> base = spatial_inertia(RigidInertia<S>{S(robot.base.mass), Vector3<S>::Zero(),
-                                                    robot.base.inertia.template cast<S>()});
+  Matrix6<S> base;
+  put_spatial_inertia(RigidInertia<S>{S(robot.base.mass), Vector3<S>::Zero(),
+                                      robot.base.inertia.template cast<S>()},
+                      base);
   for (int k = kin.n - 1; k >= 0; --k) {
     Matrix6<S>& inertia = articulated[k];
     Vector6<S>& U = out.U[k];

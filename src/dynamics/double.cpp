@@ -7,39 +7,29 @@
 #include "dynamics/jacobian_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "dynamics/momentum_kernel.hpp"
-#include "dynamics/wide_kernel.hpp"
+#include "dynamics/wide_joint_values.hpp"
 
 namespace stillbase {
 
 namespace {
 
-/// Null where the processor has no such registers.
-const WideKernel* wide_kernel() {
-  static const WideKernel* const kernel = [] {
-    const WideKernel* wide = wide_kernel_avx2();
-    return wide != nullptr && wide->runs_here() ? wide : nullptr;
-  }();
-  return kernel;
-}
-
-bool is_wide(const RobotModel& robot) {
-  return robot.num_bodies() > 0 && robot.num_bodies() <= kWideBodies && wide_kernel() != nullptr;
-}
-
-Kinematics<double> kinematics_in_registers(const RobotModel& robot, const JointVectord& phi) {
+Kinematics<double> kinematics_in_registers(const WideKernel& kernel, const RobotModel& robot,
+                                           const JointVectord& phi) {
   assert(phi.size() == robot.n());
   Kinematics<double> kin;
-  kernel::make_room(robot.num_bodies(), kin);
-  BodyWorkspace<double, double> position;
-  for (int k = 0; k < kin.n; ++k) position[k] = kernel::joint_position<double>(robot, phi, k);
-  const kernel::JointSines sines(robot, phi);
-  wide_kernel()->kinematics(robot, position.data(), sines.sine.data(), sines.cosine.data(),
-                            {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()});
-  kernel::place_hand(robot, kin);
+  stillbase::kernel::make_room(robot.num_bodies(), kin);
+  const WideJointValues joints(robot, phi);
+  kernel.kinematics(robot, joints.plain(),
+                    {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()});
+  stillbase::kernel::place_hand(robot, kin);
   return kin;
 }
 
-InertiaMatrices<double> inertia_in_registers(const RobotModel& robot,
+KnownWidePoses poses_of(const Kinematics<double>& kin) {
+  return {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()};
+}
+
+InertiaMatrices<double> inertia_in_registers(const WideKernel& kernel, const RobotModel& robot,
                                              const Kinematics<double>& kin) {
   static_assert(sizeof(RigidInertia<double>) == 13 * sizeof(double));
   const int n = kin.n;
@@ -49,27 +39,38 @@ InertiaMatrices<double> inertia_in_registers(const RobotModel& robot,
   out.H_bphi.resize(6, n);
   out.H_phi.resize(n, n);
   RigidInertia<double> total;
-  wide_kernel()->inertia(
-      robot, {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()},
+  kernel.inertia(
+      robot, poses_of(kin),
       {out.I.data()->data(), &out.subtree[0].m, out.H_bphi.data(), out.H_phi.data(), &total.m});
-  kernel::describe_whole(total, out);
+  stillbase::kernel::describe_whole(total, out);
   return out;
 }
 
 }  // namespace
 
+const WideKernel* wide_kernel(const RobotModel& robot) {
+  static const WideKernel* const kernel = [] {
+    const WideKernel* wide = wide_kernel_avx2();
+    return wide != nullptr && wide->runs_here() ? wide : nullptr;
+  }();
+  const bool fits = robot.num_bodies() > 0 && robot.num_bodies() <= kWideBodies;
+  return fits ? kernel : nullptr;
+}
+
 template <>
 Kinematics<double> compute_kinematics(const RobotModel& robot, const JointVectord& phi) {
-  return is_wide(robot) ? kinematics_in_registers(robot, phi)
-                        : kernel::kinematics<double>(robot, phi);
+  const WideKernel* const wide = wide_kernel(robot);
+  return wide != nullptr ? kinematics_in_registers(*wide, robot, phi)
+                         : kernel::kinematics<double>(robot, phi);
 }
 
 template HandJacobian<double> compute_hand_jacobian(const RobotModel&, const Kinematics<double>&);
 
 template <>
 InertiaMatrices<double> compute_inertia(const RobotModel& robot, const Kinematics<double>& kin) {
-  return is_wide(robot) && !robot.is_coupled() ? inertia_in_registers(robot, kin)
-                                               : kernel::inertia<double>(robot, kin);
+  const WideKernel* const wide = wide_kernel(robot);
+  return wide != nullptr && !robot.is_coupled() ? inertia_in_registers(*wide, robot, kin)
+                                                : kernel::inertia<double>(robot, kin);
 }
 
 template TildeInertia<double> compute_tilde_inertia(const InertiaMatrices<double>&);
@@ -81,11 +82,23 @@ template InertiaFactor<double> factorize_inertia(const InertiaMatrices<double>&,
 template GeneralizedMotion<double> solve_inertia(const InertiaFactor<double>&, const Vector6d&,
                                                  const JointVectord&);
 
+template <>
+BiasForces<double> compute_bias(const RobotModel& robot, const Kinematics<double>& kin,
+                                const Matrix3d* I, const Vector6d& Omega,
+                                const JointVectord& phidot) {
+  const WideKernel* const wide = wide_kernel(robot);
+  if (wide == nullptr || robot.is_coupled()) {
+    return kernel::bias<double>(robot, kin, I, Omega, phidot);
+  }
+  BiasForces<double> out;
+  out.c_phi.resize(kin.n);
+  wide->bias(robot, poses_of(kin), I->data(), {Omega.data(), phidot.data()},
+             {out.c_b.data(), out.c_phi.data()});
+  return out;
+}
 template BiasForces<double> compute_bias(const RobotModel&, const Kinematics<double>&,
                                          const InertiaMatrices<double>&, const Vector6d&,
                                          const JointVectord&);
-template BiasForces<double> compute_bias(const RobotModel&, const Kinematics<double>&,
-                                         const Matrix3d*, const Vector6d&, const JointVectord&);
 template TildeBias<double> compute_tilde_bias(const InertiaMatrices<double>&,
                                               const BiasForces<double>&);
 template JointVectord compute_hat_bias(const InertiaMatrices<double>&, const BiasForces<double>&);

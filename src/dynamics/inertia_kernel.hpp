@@ -43,7 +43,7 @@ template <class S>
 void describe_whole(const RigidInertia<S>& total, InertiaMatrices<S>& out) {
   out.mass = total.m;
   out.r_bg = total.h / total.m;
-  out.H_b = spatial_inertia(total);
+  put_spatial_inertia(total, out.H_b);
 }
 
 template <class S, InertiaParts parts = InertiaParts::All, class Robot>

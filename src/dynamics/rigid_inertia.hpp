@@ -36,16 +36,18 @@ inline RigidInertia<S> inertia_about_base(const Robot& robot, const Kinematics<S
   return {m, kin.c[k] * m, I + parallel_axis(m, kin.c[k])};
 }
 
-/// Momentum [p; L] per twist [v; omega]: 6x6 [m E, -skew(h); skew(h), I].
+/// Momentum [p; L] per twist [v; omega]: 6x6 [m E, -skew(h); skew(h), I], written where it stays.
 template <class S>
-inline Matrix6<S> spatial_inertia(const RigidInertia<S>& body) {
-  const Matrix3<S> h = skew(body.h);
-  Matrix6<S> out;
+inline void put_spatial_inertia(const RigidInertia<S>& body, Matrix6<S>& out) {
   out.template topLeftCorner<3, 3>() = Matrix3<S>::Identity() * body.m;
-  out.template topRightCorner<3, 3>() = -h;
-  out.template bottomLeftCorner<3, 3>() = h;
+  const Vector3<S>& h = body.h;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    out(i, 3 + i) = out(3 + i, i) = S(0);
+    out(3 + k, j) = out(j, 3 + k) = h[i];
+    out(3 + j, k) = out(k, 3 + j) = -h[i];
+  }
   out.template bottomRightCorner<3, 3>() = body.I;
-  return out;
 }
 
 }  // namespace stillbase

@@ -1,5 +1,6 @@
 #ifdef __AVX2__
-#include "dynamics/wide_vectors.hpp"
+#include "dynamics/wide_bias.hpp"
+#include "dynamics/wide_jump.hpp"
 #else
 #include "dynamics/wide_kernel.hpp"
 #endif
@@ -8,8 +9,9 @@ namespace stillbase {
 
 const WideKernel* wide_kernel_avx2() {
 #ifdef __AVX2__
-  static constinit const WideKernel kernel = {[] { return __builtin_cpu_supports("avx2") != 0; },
-                                              wide_kinematics, wide_inertia};
+  static constinit const WideKernel kernel = {
+      [] { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; },
+      wide_kinematics, wide_inertia, wide_bias, wide_jump};
   return &kernel;
 #else
   return nullptr;

@@ -18,6 +18,11 @@ struct WidePoses {
   double *R, *o, *c;
 };
 
+/// Of the joint of each body.
+struct WideJoints {
+  const double *positions, *sine, *cosine;
+};
+
 /// Poses that are known.
 struct KnownWidePoses {
   const double *R, *o, *c;
@@ -32,17 +37,38 @@ struct WideInertia {
   double* total;    ///< 13: m, h, I of the whole robot
 };
 
+struct KnownWideMotion {
+  const double *Omega, *phidot;
+};
+
+/// Where compute_jump() writes.
+struct WideMotion {
+  double *Omega, *phidot;
+};
+
+/// Where compute_bias() writes.
+struct WideBias {
+  double *c_b, *c_phi;
+};
+
 /// Of robots with 1 to kWideBodies bodies.
 struct WideKernel {
   bool (*runs_here)();  ///< on this processor
-  /// @param positions, sine, cosine of the joint of each body
-  void (*kinematics)(const RobotModel& robot, const double* positions, const double* sine,
-                     const double* cosine, const WidePoses& out);
-  /// Without couplings.
+  void (*kinematics)(const RobotModel& robot, const WideJoints& at, const WidePoses& out);
+  // Without couplings.
   void (*inertia)(const RobotModel& robot, const KnownWidePoses& poses, const WideInertia& out);
+  /// @param I 9 per body
+  void (*bias)(const RobotModel& robot, const KnownWidePoses& poses, const double* I,
+               const KnownWideMotion& motion, const WideBias& out);
+  /// @param added_inertia of each joint
+  void (*jump)(const RobotModel& robot, const WideJoints& at, const double* added_inertia,
+               const double* F, const WideMotion& out);
 };
 
 /// Null where the compiler has no such registers.
 const WideKernel* wide_kernel_avx2();
+
+/// Null where the processor has no such registers or the robot has too many bodies, or none.
+const WideKernel* wide_kernel(const RobotModel& robot);
 
 }  // namespace stillbase

@@ -1,3 +1,6 @@
+#include <algorithm>
+
+#include "dynamics/wide_joint_values.hpp"
 #include "impact/jump_kernel.hpp"
 
 namespace stillbase {
@@ -24,10 +27,24 @@ Eigen::Matrix<double, 3, 6> base_reaction_matrix(const InertiaFactor<double>& fa
   return B;
 }
 
+template <>
+ImpactJump<double> compute_jump(const RobotModel& robot, const JointVectord& phi,
+                                const JointVectord& added_inertia, const std::vector<bool>& locked,
+                                const Vector6d& Fbar) {
+  const WideKernel* const wide = wide_kernel(robot);
+  const bool is_plain = !robot.is_coupled() && robot.n() < kArticulatedBodyJoints &&
+                        std::find(locked.begin(), locked.end(), true) == locked.end();
+  if (wide == nullptr || !is_plain) {
+    return kernel::jump<double>(robot, phi, added_inertia, locked, Fbar);
+  }
+  ImpactJump<double> out;
+  out.Delta_phidot.resize(robot.n());
+  wide->jump(robot, WideJointValues(robot, phi).plain(), added_inertia.data(), Fbar.data(),
+             {out.Delta_Omega.data(), out.Delta_phidot.data()});
+  return out;
+}
+
 template ImpactJump<double> compute_jump(const InertiaFactor<double>&, const HandJacobian<double>&,
-                                         const Vector6<double>&);
-template ImpactJump<double> compute_jump(const RobotModel&, const JointVector<double>&,
-                                         const JointVectord&, const std::vector<bool>&,
                                          const Vector6<double>&);
 template Vector3<double> momentum_change(const InertiaMatrices<double>&,
                                          const HandJacobian<double>&, const Vector6<double>&);

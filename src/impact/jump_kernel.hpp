@@ -20,10 +20,12 @@ ImpactJump<S> compute_jump(const InertiaFactor<S>& factor, const HandJacobian<S>
   return {d.Omega, d.phidot};
 }
 
+namespace kernel {
+
 template <class S>
-ImpactJump<S> compute_jump(const RobotModel& robot, const JointVector<S>& phi,
-                           const JointVectord& added_inertia, const std::vector<bool>& locked,
-                           const Vector6<S>& Fbar) {
+ImpactJump<S> jump(const RobotModel& robot, const JointVector<S>& phi,
+                   const JointVectord& added_inertia, const std::vector<bool>& locked,
+                   const Vector6<S>& Fbar) {
   const Kinematics<S> kin = compute_kinematics(robot, phi);
   const HandJacobian<S> jacobian = compute_hand_jacobian(robot, kin);
   if (robot.n() < kArticulatedBodyJoints || robot.is_coupled()) {
@@ -37,6 +39,15 @@ ImpactJump<S> compute_jump(const RobotModel& robot, const JointVector<S>& phi,
   for (int k = 0; k < kin.n; ++k) tau[k] = jacobian.J_phi.col(k).dot(Fbar);
   const GeneralizedMotion<S> d = solve_articulated_bodies(robot, bodies, F_b, tau);
   return {d.Omega, d.phidot};
+}
+
+}  // namespace kernel
+
+template <class S>
+ImpactJump<S> compute_jump(const RobotModel& robot, const JointVector<S>& phi,
+                           const JointVectord& added_inertia, const std::vector<bool>& locked,
+                           const Vector6<S>& Fbar) {
+  return kernel::jump<S>(robot, phi, added_inertia, locked, Fbar);
 }
 
 template <class S>

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "dynamics/bias_kernel.hpp"
 #include "dynamics/inertia_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "dynamics/wide_kernel.hpp"
+#include "impact/jump_kernel.hpp"
 #include "support/random_robot.hpp"
 
 namespace stillbase {
@@ -16,7 +18,7 @@ namespace {
 
 /// What a kernel computes of a posture.
 struct Wide {
-  std::vector<double> R, o, c, I, subtree, H_bphi, H_phi, total;
+  std::vector<double> R, o, c, I, subtree, H_bphi, H_phi, total, c_b, c_phi, Omega, phidot;
 
   Wide(const WideKernel& kernel, const RobotModel& robot, const JointVectord& phi, double mark = 0)
       : Wide(static_cast<std::size_t>(robot.n()), mark) {
@@ -26,13 +28,17 @@ struct Wide {
       sine.push_back(std::sin(angle));
       cosine.push_back(std::cos(angle));
     }
-    kernel.kinematics(robot, positions.data(), sine.data(), cosine.data(),
-                      {R.data(), o.data(), c.data()});
-    kernel.inertia(robot, {R.data(), o.data(), c.data()},
+    const WideJoints at{positions.data(), sine.data(), cosine.data()};
+    const KnownWidePoses poses{R.data(), o.data(), c.data()};
+    const std::vector<double> rates(positions), twist{0.1, -0.2, 0.3, -0.4, 0.5, -0.6};
+    kernel.kinematics(robot, at, {R.data(), o.data(), c.data()});
+    kernel.inertia(robot, poses,
                    {I.data(), subtree.data(), H_bphi.data(), H_phi.data(), total.data()});
+    kernel.bias(robot, poses, I.data(), {twist.data(), rates.data()}, {c_b.data(), c_phi.data()});
+    kernel.jump(robot, at, rates.data(), twist.data(), {Omega.data(), phidot.data()});
   }
   std::vector<std::vector<double>> all() const {
-    return {R, o, c, I, subtree, H_bphi, H_phi, total};
+    return {R, o, c, I, subtree, H_bphi, H_phi, total, c_b, c_phi, Omega, phidot};
   }
 
  private:
@@ -45,7 +51,11 @@ struct Wide {
         subtree(13 * n + 4, mark),
         H_bphi(6 * n + 4, mark),
         H_phi(n * n + 4, mark),
-        total(13 + 4, mark) {}
+        total(13 + 4, mark),
+        c_b(6 + 4, mark),
+        c_phi(n + 4, mark),
+        Omega(c_b),
+        phidot(c_phi) {}
 };
 
 JointVectord random_positions(Random& random, int n) {
@@ -104,6 +114,42 @@ TEST_CASE("wide registers give what the templates do") {
     CHECK((inertia.H_phi.array() == 0).count() == (expected.H_phi.array() == 0).count());
   }
   CHECK(worst < 1e-13);
+}
+
+TEST_CASE("bias and jump in wide registers are what the templates give") {
+  Random random(91);
+  double worst_bias = 0, worst_jump = 0;
+  const auto compare = [](double& worst, const auto& a, const auto& b) {
+    REQUIRE(a.size() == b.size());
+    worst = std::max(worst, (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff());
+  };
+  for (int trial = 0; trial < 400; ++trial) {
+    const int n = 1 + trial % kWideBodies;
+    const RobotModel robot = random_robot_with_drives(random, n, trial % 2 == 0);
+    const JointVectord phi = random_positions(random, n), rates = random_positions(random, n);
+    JointVectord added(n);
+    for (double& inertia : added) inertia = random.uniform(0, 0.1);
+    Vector6d twist, F;
+    for (double& x : twist) x = random.uniform(-1, 1);
+    for (double& x : F) x = random.uniform(-1, 1);
+    const Kinematics<double> kin = compute_kinematics<double>(robot, phi);
+    const InertiaMatrices<double> inertia = compute_inertia<double>(robot, kin);
+    const auto bias = compute_bias<double>(robot, kin, inertia, twist, rates);
+    const auto plain = kernel::bias<double>(robot, kin, inertia.I.data(), twist, rates);
+    compare(worst_bias, bias.c_b, plain.c_b);
+    compare(worst_bias, bias.c_phi, plain.c_phi);
+    std::vector<bool> locked;
+    if (trial % 5 == 4) {
+      locked.assign(static_cast<std::size_t>(n), false);
+      locked[static_cast<std::size_t>(trial % n)] = trial % 3 == 0;
+    }
+    const auto jump = compute_jump<double>(robot, phi, added, locked, F);
+    const auto expected = kernel::jump<double>(robot, phi, added, locked, F);
+    compare(worst_jump, jump.Delta_Omega, expected.Delta_Omega);
+    compare(worst_jump, jump.Delta_phidot, expected.Delta_phidot);
+  }
+  CHECK(worst_bias < 1e-12);
+  CHECK(worst_jump < 1e-10);
 }
 
 TEST_CASE("the wide kernel writes all that it computes and nothing beyond") {

@@ -28,6 +28,10 @@ template <class S>
 BiasForces<S> compute_bias(const RobotModel& robot, const Kinematics<S>& kinematics,
                            const Matrix3<S>* I, const Vector6<S>& Omega,
                            const JointVector<S>& phidot);
+template <>
+BiasForces<double> compute_bias(const RobotModel& robot, const Kinematics<double>& kinematics,
+                                const Matrix3d* I, const Vector6d& Omega,
+                                const JointVectord& phidot);
 
 /// Bias with base translation eliminated, (8).
 template <class S>

@@ -31,6 +31,10 @@ template <class S>
 ImpactJump<S> compute_jump(const RobotModel& robot, const JointVector<S>& phi,
                            const JointVectord& added_inertia, const std::vector<bool>& locked,
                            const Vector6<S>& Fbar);
+template <>
+ImpactJump<double> compute_jump(const RobotModel& robot, const JointVectord& phi,
+                                const JointVectord& added_inertia, const std::vector<bool>& locked,
+                                const Vector6d& Fbar);
 
 /// Extended-inverse inertia tensor (Yoshida): W_h = J H^-1 J', J = [R_bh, J_phi], 6x6: hand
 /// velocity change per impulse at the hand, base free.
