@@ -93,14 +93,19 @@ Eigen::MatrixXd PivotedQr::complement() const {
 Eigen::MatrixXd PivotedQr::complement_components(const Eigen::MatrixXd& M) const {
   return std::visit(
       [&](const auto& qr) -> Eigen::MatrixXd {
-        const Eigen::MatrixXd rotated = qr.householderQ().adjoint() * M;
-        return rotated.bottomRows(qr.rows() - rank());
+        const auto rotate = [&](const auto& columns) -> Eigen::MatrixXd {
+          const std::decay_t<decltype(columns)> rotated = qr.householderQ().adjoint() * columns;
+          return rotated.bottomRows(qr.rows() - rank());
+        };
+        return M.cols() <= kInPlace && M.rows() <= kInPlace ? rotate(InPlace(M)) : rotate(M);
       },
       qr_);
 }
 
 Eigen::VectorXd PivotedQr::solve(const Eigen::VectorXd& b) const {
-  return std::visit([&](const auto& qr) -> Eigen::VectorXd { return qr.solve(b); }, qr_);
+  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kInPlace, 1>;
+  if (const auto* qr = std::get_if<0>(&qr_)) return Column(qr->solve(Column(b)));
+  return std::get<1>(qr_).solve(b);
 }
 
 Eigen::MatrixXd PivotedQr::solve_columns(const Eigen::MatrixXd& B) const {

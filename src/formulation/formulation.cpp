@@ -249,6 +249,7 @@ void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alo
   const ConstraintPoint<double> at{model, placement, posture, nominal};
   const ShapeOrigins origins(parts_->constraints.shapes, at);
   std::vector<const Constraint*> counting;
+  counting.reserve(parts_->rows.kept.size());
   for (std::size_t i = 0; i < parts_->rows.kept.size(); ++i) {
     const Constraint* row = parts_->rows.kept[i];
     if (!row->is_equation()) {

@@ -156,8 +156,8 @@ Certificate certify(const Problem& problem, const Eigen::VectorXd& x, const Eval
   const Eigen::VectorXd violation = signed_violation(at_x.constraints, g_lower, g_upper);
   result.max_violation = std::max(m > 0 ? violation.lpNorm<Eigen::Infinity>() : 0.0,
                                   signed_violation(x, lower, upper).lpNorm<Eigen::Infinity>());
-  if (at_x.gradient.size() != n || !at_x.gradient.allFinite() || at_x.jacobian.rows() != m ||
-      !at_x.jacobian.allFinite()) {
+  if (at_x.gradient.size() != n || !are_finite(at_x.gradient) || at_x.jacobian.rows() != m ||
+      !are_finite(at_x.jacobian)) {
     result.violation_slope = kInfinity;
     return result;
   }

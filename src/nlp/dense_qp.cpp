@@ -42,6 +42,13 @@ void combine(const Eigen::MatrixXd& M, const double* factors, int from, int to, 
   }
 }
 
+/// allFinite() without a branch per number.
+bool are_finite(const double* a, int size) {
+  Lanes sum = Lanes::Zero();
+  for (int k = 0; k < size; k += kLanes) sum += lanes(a + k) * 0;
+  return (sum == 0).all();
+}
+
 /// Rotates a pair of vectors by (cosine, sine), the second one's sign such that it is a reflection.
 template <class First, class Second>
 void rotate(First&& first, Second&& second, double cosine, double sine) {
@@ -253,9 +260,11 @@ int DenseQp::most_violated() const {
 }
 
 DenseQp::Outcome DenseQp::solve() {
-  if (!factorise() || !g_.head(n_).allFinite() || !b_.head(rows_).allFinite() ||
-      !normals_.topLeftCorner(padded_, rows_).allFinite()) {
+  if (!factorise() || !g_.head(n_).allFinite() || !b_.head(rows_).allFinite()) {
     return Outcome::NotConvex;
+  }
+  for (int row = 0; row < rows_; ++row) {
+    if (!are_finite(normals_.col(row).data(), padded_)) return Outcome::NotConvex;
   }
   size_ = 0;
   largest_pivot_ = 1;

@@ -7,7 +7,7 @@ namespace {
 /// Length of the change of a normal from a to b; 0 where it is small beside that at b, or where one
 /// of them is not known (Evaluation::far).
 double turn_of(const Side& side, const SqpPoint& a, const SqpPoint& b) {
-  const Eigen::VectorXd here = normal(side, a), there = normal(side, b);
+  const auto here = a.at.jacobian.row(side.index), there = b.at.jacobian.row(side.index);
   if (here.isZero(0) || there.isZero(0)) return 0;
   const double turned = (here - there).norm();
   return turned > kKinks.turned * there.norm() ? turned : 0;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <stillbase/core/linear_algebra.hpp>
+
 namespace stillbase::nlp {
 namespace {
 
@@ -61,8 +63,8 @@ void Monitor::run_model(Point& point, bool with_derivatives) {
   } else {
     problem_.evaluate_value(point.x, e);
   }
-  const bool finite = std::isfinite(e.objective) && e.constraints.allFinite() &&
-                      (!with_derivatives || (e.gradient.allFinite() && e.jacobian.allFinite()));
+  const bool finite = std::isfinite(e.objective) && are_finite(e.constraints) &&
+                      (!with_derivatives || (are_finite(e.gradient) && are_finite(e.jacobian)));
   if (!finite) {
     ++rejected_evaluations_;
     if (++rejected_in_a_row_ >= options_.max_rejected_in_a_row) stop(StopReason::NonFinite);

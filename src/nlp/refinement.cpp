@@ -137,10 +137,10 @@ class Refinement {
   Active active_at(const Eigen::VectorXd& x) const {
     std::vector<Eigen::VectorXd> normals;
     std::vector<double> missing;
-    const auto add = [&](const Eigen::VectorXd& normal, double value, double lower, double upper,
+    const auto add = [&](const auto& normal, double value, double lower, double upper,
                          double multiplier, double beyond) {
       if (lower != upper && multiplier == 0) return;
-      normals.push_back(normal);
+      normals.emplace_back(normal);
       missing.push_back((multiplier > 0 ? upper + beyond : lower - beyond) - value);
     };
     for (Eigen::Index i = 0; i < here_.at.constraints.size(); ++i) {

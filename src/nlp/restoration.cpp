@@ -5,17 +5,29 @@
 
 #include <Eigen/QR>
 
+#include <stillbase/core/in_place.hpp>
+
 namespace stillbase::nlp {
 
 namespace {
+
+constexpr int kUsual = 24;  // variables and rows that need no heap
+using Usual =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kUsual, kUsual>;
+
+/// In the least squares.
+template <class Matrix>
+Eigen::VectorXd solve_rectangular(const Matrix& A, const Eigen::VectorXd& b) {
+  return Eigen::HouseholderQR<Matrix>(A).solve(b);
+}
 
 /// The shortest d with J d = r, in the least squares where no d has that: J = L Q' by making its
 /// rows orthogonal one after the other, the one with the largest remainder first.
 Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, Eigen::VectorXd r) {
   constexpr double kDependent = 1e-9;  // remainder of a row over the longest row
   const Eigen::Index m = J.rows(), most = std::min(m, J.cols());
-  Eigen::MatrixXd rows = J.transpose();  // in columns: of Q, then what is left of the others
-  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(m, most);
+  InPlaceMatrix<double, kUsual> rows(J.transpose());  // in columns: of Q, then what is left
+  InPlaceMatrix<double, kUsual> L(Eigen::MatrixXd::Zero(m, most));
   Eigen::VectorXd left = rows.colwise().squaredNorm();
   double longest = 0;
   Eigen::Index rank = 0;
@@ -40,9 +52,13 @@ Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, Eigen::VectorXd r) {
     }
   }
   const auto reached = L.leftCols(rank);
-  const Eigen::VectorXd y = rank == m
-                                ? Eigen::VectorXd(reached.triangularView<Eigen::Lower>().solve(r))
-                                : Eigen::VectorXd(reached.householderQr().solve(r));
+  Eigen::VectorXd y = r;
+  if (rank == m) {
+    reached.triangularView<Eigen::Lower>().solveInPlace(y);
+  } else {
+    y = m <= kUsual ? solve_rectangular(Usual(reached), r)
+                    : solve_rectangular(Eigen::MatrixXd(reached), r);
+  }
   // Q y, but for what rounding leaves of Q'Q (Bjorck, Numerical Methods for Least Squares Problems,
   // 1996, section 2.4.4).
   Eigen::VectorXd d = Eigen::VectorXd::Zero(J.cols());

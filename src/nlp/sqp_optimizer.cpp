@@ -356,7 +356,7 @@ class Descent {
       y = part * y + (1 - part) * Bd;
       dy = moved.dot(y);
     }
-    B_ += y * y.transpose() / dy - Bd * Bd.transpose() / dBd;
+    for (int j = 0; j < n_; ++j) B_.col(j) += y * y[j] / dy - Bd * Bd[j] / dBd;
   }
 
   double worst_violation(const SqpPoint& point) const {

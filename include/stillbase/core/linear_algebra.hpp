@@ -40,6 +40,12 @@ struct SymmetricEigen3 {
   Matrix3d vectors;  ///< orthonormal columns
 };
 
+/// allFinite() without a branch per number.
+template <class Derived>
+bool are_finite(const Eigen::DenseBase<Derived>& M) {
+  return (M.derived().array() * 0).sum() == 0;
+}
+
 /// Singular values from largest to smallest; none of an empty matrix.
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& A);
 

@@ -30,11 +30,11 @@ ScenarioProgram::ScenarioProgram(const Formulation& formulation, std::vector<Sce
 
 std::vector<Scenario> ScenarioProgram::scenarios_at(const Eigen::VectorXd& x) const {
   if (follow_ == nullptr) return scenarios_;
+  const std::vector<ConeMaximum> maxima =
+      climb(*follow_, formulation_, formulation_.configuration(x), scenarios_);
   std::vector<Scenario> out;
-  for (const ConeMaximum& maximum :
-       climb(*follow_, formulation_, formulation_.configuration(x), scenarios_)) {
-    out.push_back(maximum.scenario);
-  }
+  out.reserve(maxima.size());
+  for (const ConeMaximum& maximum : maxima) out.push_back(maximum.scenario);
   return out;
 }
 
