@@ -506,7 +506,7 @@ TEST_CASE("candidates that were not judged before a limit are not called collidi
   // However quick the machine, the limit comes within the search.
   shop.write_changed("many.yaml", "problems/planar_three_link_client.yaml", "starts: 64",
                      "starts: 20000");
-  const Outcome outcome = shop.run("plan many.yaml --time-limit 0.05 -o plan.json");
+  const Outcome outcome = shop.run("plan many.yaml --time-limit 0.4 -o plan.json");
   INFO(outcome.err);
   CHECK(outcome.code == 6);
   CHECK(outcome.says(" candidates"));
