@@ -156,9 +156,14 @@ TEST_CASE("a curve ends where a joint reaches its limit") {
 TEST_CASE("of the part of a curve that touches nothing the best is listed") {
   const CaptureProblem problem = three_link_c2();
   const Formulation formulation(problem);
-  const Candidate best = solutions_of(problem, formulation).candidates.front();
-  const auto is_free = [&best](const Configuration& at) {
-    return (at.phi - best.configuration.phi).norm() > 0.5;
+  const SearchResult all = solutions_of(problem, formulation);
+  const Candidate best = all.candidates.front();
+  // Mirrored postures are equally good but for rounding.
+  const auto is_free = [&](const Configuration& at) {
+    return std::none_of(all.candidates.begin(), all.candidates.end(), [&](const Candidate& one) {
+      return one.worst_case < 1.001 * best.worst_case &&
+             (at.phi - one.configuration.phi).norm() <= 0.5;
+    });
   };
   const SearchResult result = solutions_of(problem, formulation, is_free);
   double listed = kInfinity, least = kInfinity;
@@ -173,7 +178,7 @@ TEST_CASE("of the part of a curve that touches nothing the best is listed") {
     }
   }
   CHECK(result.candidates.front().worst_case == Approx(best.worst_case));
-  CHECK(listed > best.worst_case);
+  CHECK(listed > 1.001 * best.worst_case);
   CHECK(listed <= least * 1.1);  // the samples of a curve are 0.05 apart
 }
 
