@@ -47,17 +47,13 @@ bool StillScene::is_motion_clear(const JointVectord& a, const JointVectord& b, d
   if (problem_.approach.base == BaseMode::Floating) {
     travel.base_translation = centroid_levers_.dot(travel.joints);
   }
-  bool clear = true;
-  const auto look = [&](const CollisionScene& scene, const Pose* target) {
-    const SweepVerdict verdict =
-        scene.sweep(kinematics, base, target, travel, least_distance(problem_.approach)).verdict;
-    clear = clear && verdict == SweepVerdict::Clear;
-    return verdict != SweepVerdict::Hit;
-  };
-  if (!look(scene_, nullptr)) return false;
-  for (const Pose& target : targets_) {
-    if (!look(target_scene_, &target)) return false;
-  }
+  const double margin = least_distance(problem_.approach);
+  const SweepVerdict alone = scene_.sweep(kinematics, base, nullptr, travel, margin).verdict;
+  if (alone == SweepVerdict::Hit) return false;
+  const SweepVerdict beside_target =
+      target_scene_.sweep_each(kinematics, base, targets_, travel, margin);
+  if (beside_target == SweepVerdict::Hit) return false;
+  const bool clear = alone == SweepVerdict::Clear && beside_target == SweepVerdict::Clear;
   if (clear || (end - begin) * (b - a).norm() <= resolution_) return true;
   const double middle = (begin + end) / 2;
   return is_motion_clear(a, b, begin, middle) && is_motion_clear(a, b, middle, end);
@@ -113,9 +109,9 @@ class Follower {
     least.distance = kInfinity;
     const auto look = [&](const JointVectord& phi, const Pose& base, double time) {
       Pose storage;
-      const auto nearest =
-          task_.scene.nearest(kinematics(phi), base, target_pose(time, storage), false);
-      if (nearest && nearest->distance < least.distance) least = *nearest;
+      const auto nearest = task_.scene.nearest(kinematics(phi), base, target_pose(time, storage),
+                                               false, least.distance);
+      if (nearest) least = *nearest;
     };
     const double step =
         std::min(task_.options.motion_check.coarsest, task_.problem.approach.resolution) / 2;

@@ -26,7 +26,7 @@ struct Item {
   std::string name;
   Pose pose;  ///< shape frame in the carrier's frame
   Matrix3d R;
-  BoundingSphere bounds;              ///< in the shape's frame
+  BoundingSphere bounds;              ///< in the carrier's frame
   BoundingBox box;                    ///< in the shape's frame
   std::optional<RoundSegment> round;  ///< in the shape's frame
   bool is_box;
@@ -39,32 +39,43 @@ struct Pair {
   std::size_t a = 0, b = 0;
   bool is_target = false;  ///< a belongs to the target
   bool is_hand_and_target = false;
-  /// Of two shapes that the base carries: bound on the change of their distance per motion of each
-  /// joint, m/rad (1). Joints that carry both do not move one against the other.
-  std::vector<double> levers = {};
+  bool is_on_base = false;  ///< the base carries both
 };
-
-/// See Pair::levers.
-std::vector<double> levers_between(const Item& a, const Item& b) {
-  if (a.carrier != Carrier::Robot || b.carrier != Carrier::Robot) return {};
-  std::vector<double> levers;
-  for (Eigen::Index k = 0; k < a.motion.lever.size(); ++k) {
-    const double of_a = a.motion.lever[k], of_b = b.motion.lever[k];
-    levers.push_back((of_a > 0) != (of_b > 0) ? std::max(of_a, of_b) : 0);
-  }
-  return levers;
-}
 
 }  // namespace
 
 struct CollisionScene::Data {
   std::vector<Item> items;
   std::vector<Pair> pairs;
+  /// Of pairs on the base, one per column: bound on the change of their distance per motion of each
+  /// joint, m/rad (1). Joints that carry both do not move one against the other.
+  Eigen::MatrixXd levers;
+  MotionBound most;       ///< of all items that the base carries, which holds for those levers, too
+  double most_reach = 0;  ///< of all items of the target
   bool has_contact_point = false;
   Vector3d contact_point = Vector3d::Zero();  ///< in T
   double contact_radius = 0;  ///< of the sphere that is touched when there is no feature
   double contact_allowance = 0;
   MotionBound hand;
+
+  void measure_motion() {
+    levers.setZero(hand.lever.size(), static_cast<Eigen::Index>(pairs.size()));
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (!pairs[i].is_on_base) continue;
+      const MotionBound &a = items[pairs[i].a].motion, &b = items[pairs[i].b].motion;
+      for (Eigen::Index k = 0; k < levers.rows(); ++k) {
+        if ((a.lever[k] > 0) == (b.lever[k] > 0)) continue;
+        levers(k, static_cast<Eigen::Index>(i)) = std::max(a.lever[k], b.lever[k]);
+      }
+    }
+    most = hand;
+    for (const Item& item : items) {
+      if (item.carrier == Carrier::Target) most_reach = std::max(most_reach, item.reach);
+      if (item.carrier != Carrier::Robot) continue;
+      most.lever = most.lever.cwiseMax(item.motion.lever);
+      most.base_reach = std::max(most.base_reach, item.motion.base_reach);
+    }
+  }
 };
 
 namespace {
@@ -75,7 +86,8 @@ Item make_item(Carrier carrier, int body, const std::string& name, const Pose& p
     throw std::invalid_argument("collision shape of " + name +
                                 ": pose and sizes must be finite, sizes positive");
   }
-  const BoundingSphere bounds = bounding_sphere(geometry);
+  BoundingSphere bounds = bounding_sphere(geometry);
+  bounds.centre = pose * bounds.centre;
   return {carrier,
           body,
           name,
@@ -86,7 +98,7 @@ Item make_item(Carrier carrier, int body, const std::string& name, const Pose& p
           round_segment(geometry),
           std::holds_alternative<Box>(geometry),
           make_fcl_shape(geometry),
-          (pose * bounds.centre).norm() + bounds.radius,
+          bounds.centre.norm() + bounds.radius,
           {}};
 }
 
@@ -190,8 +202,9 @@ CollisionScene::CollisionScene(const RobotModel& robot, const SceneParts& parts)
   }
   const auto add = [&](std::size_t a, std::size_t b, bool is_hand_and_target) {
     if (is_allowed(parts.allowed_contacts, items[a].name, items[b].name)) return;
-    data->pairs.push_back({a, b, items[a].carrier == Carrier::Target, is_hand_and_target,
-                           levers_between(items[a], items[b])});
+    data->pairs.push_back(
+        {a, b, items[a].carrier == Carrier::Target, is_hand_and_target,
+         items[a].carrier == Carrier::Robot && items[b].carrier == Carrier::Robot});
   };
   for (std::size_t i = 0; i < robot_count; ++i) {
     for (std::size_t j = i + 1; j < target_begin; ++j) {
@@ -222,6 +235,7 @@ CollisionScene::CollisionScene(const RobotModel& robot, const SceneParts& parts)
     throw std::invalid_argument("contact feature and allowance must be finite");
   }
   data->hand = motion_bound(robot, robot.hand_body, robot.p_hand.norm(), parts.options);
+  data->measure_motion();
   data_ = std::move(data);
 }
 
@@ -231,6 +245,7 @@ CollisionScene::CollisionScene(const CaptureProblem& problem)
 CollisionScene CollisionScene::target_pairs_only() const {
   auto reduced = std::make_shared<Data>(*data_);
   std::erase_if(reduced->pairs, [](const Pair& pair) { return !pair.is_target; });
+  reduced->measure_motion();
   CollisionScene scene(*this);
   scene.data_ = std::move(reduced);
   return scene;
@@ -257,42 +272,38 @@ constexpr std::size_t kItemsInPlace = 32;
 struct Placed {
   Matrix3d R;
   Vector3d p;
-  Vector3d centre;            ///< of the bounding sphere
   Vector3d round_a, round_b;  ///< ends of the segment of spheres and capsules
 };
 
-/// All shapes in B at one instant, and the hand's distance from where it will touch.
+/// All shapes in B at one instant, and the hand's distance from where it will touch. Most pairs are
+/// far apart by their bounding spheres: shapes are placed where a pair asks for them.
 class Instant {
  public:
   Instant(const CollisionScene::Data& data, const Kinematics<double>& kinematics, const Pose& base,
           const Pose* target)
-      : data_(data), has_target_(target != nullptr) {
-    const Pose T_BN = base.inverse();
-    const Matrix3d R_BN = T_BN.orientation.toRotationMatrix();
-    const Pose T_BT = target != nullptr ? T_BN * *target : Pose{};
-    const Matrix3d R_BT = T_BT.orientation.toRotationMatrix();
-    if (target != nullptr) {
-      const Vector3d contact = R_BT * data.contact_point + T_BT.position;
-      hand_to_contact = std::max((kinematics.r_bh - contact).norm() - data.contact_radius, 0.0);
-    }
+      : data_(data), kinematics_(kinematics), T_BN_(base.inverse()) {
+    R_BN_ = T_BN_.orientation.toRotationMatrix();
+    centres_.resize(data.items.size());
     placed_.resize(data.items.size());
-    bool finite = std::isfinite(hand_to_contact);
+    is_placed_.resize(data.items.size());
     for (std::size_t i = 0; i < data.items.size(); ++i) {
-      const Item& item = data.items[i];
-      Placed& placed = placed_[i];
-      if (item.carrier == Carrier::Target) {
-        place(item, R_BT, T_BT.position, placed);
-      } else if (item.carrier == Carrier::Inertial) {
-        place(item, R_BN, T_BN.position, placed);
-      } else if (item.body == kBase) {
-        place(item, Matrix3d::Identity(), Vector3d::Zero(), placed);
-      } else {
-        place(item, kinematics.R[item.body], kinematics.o[item.body], placed);
-      }
-      finite = finite && placed.R.allFinite() && placed.p.allFinite();
+      if (data.items[i].carrier != Carrier::Target) put_centre(i);
     }
-    // FCL would end the process.
-    if (!finite) throw std::invalid_argument("collision query with a pose that is not finite");
+    if (target != nullptr) put_target(*target);
+  }
+
+  /// The same with the target there.
+  void put_target(const Pose& target) {
+    has_target_ = true;
+    const Pose T_BT = T_BN_ * target;
+    R_BT_ = T_BT.orientation.toRotationMatrix();
+    p_BT_ = T_BT.position;
+    const Vector3d contact = R_BT_ * data_.contact_point + p_BT_;
+    hand_to_contact = std::max((kinematics_.r_bh - contact).norm() - data_.contact_radius, 0.0);
+    require_finite(std::isfinite(hand_to_contact));
+    for (std::size_t i = 0; i < data_.items.size(); ++i) {
+      if (data_.items[i].carrier == Carrier::Target) put_centre(i);
+    }
   }
 
   /// Whether the target is there, where the pair needs it.
@@ -303,12 +314,18 @@ class Instant {
            hand_to_contact <= data_.contact_allowance;
   }
 
-  /// Distance of a pair, or a lower bound of it that is above `enough`.
-  double distance(const Pair& pair, double enough) const {
+  /// By their bounding spheres a pair is further apart than `distance`.
+  bool is_beyond(const Pair& pair, double distance) const {
+    const double reach =
+        distance + data_.items[pair.a].bounds.radius + data_.items[pair.b].bounds.radius;
+    return reach < 0 || (centres_[pair.a] - centres_[pair.b]).squaredNorm() > reach * reach;
+  }
+
+  /// Distance of a pair, or another number above `enough` when it is above.
+  double distance(const Pair& pair, double enough) {
+    if (is_beyond(pair, enough)) return kInfinity;
     const Item &a = data_.items[pair.a], &b = data_.items[pair.b];
-    const Placed &pa = placed_[pair.a], &pb = placed_[pair.b];
-    const double bound = (pa.centre - pb.centre).norm() - a.bounds.radius - b.bounds.radius;
-    if (bound > enough) return bound;
+    const Placed &pa = placed(pair.a), &pb = placed(pair.b);
     if (a.round && b.round) return round_distance(round_of(pair.a), round_of(pair.b));
     if (a.round && b.is_box) return round_box_distance(round_of(pair.a), {b.box.half, pb.R, pb.p});
     if (a.is_box && b.round) return round_box_distance(round_of(pair.b), {a.box.half, pa.R, pa.p});
@@ -323,8 +340,8 @@ class Instant {
   }
 
   /// The closest points of a pair, in B.
-  std::optional<PointPair> points(const Pair& pair) const {
-    const Placed &a = placed_[pair.a], &b = placed_[pair.b];
+  std::optional<PointPair> points(const Pair& pair) {
+    const Placed &a = placed(pair.a), &b = placed(pair.b);
     return fcl_nearest_points(*data_.items[pair.a].fcl, a.R, a.p, *data_.items[pair.b].fcl, b.R,
                               b.p);
   }
@@ -332,23 +349,64 @@ class Instant {
   double hand_to_contact = 0;
 
  private:
-  static void place(const Item& item, const Matrix3d& R, const Vector3d& p, Placed& out) {
-    out.R.noalias() = R * item.R;
-    out.p = R * item.pose.position + p;
-    out.centre = out.R * item.bounds.centre + out.p;
-    if (!item.round) return;
-    out.round_a = out.R * item.round->a + out.p;
-    out.round_b = out.R * item.round->b + out.p;
+  /// FCL would end the process.
+  static void require_finite(bool is_finite) {
+    if (!is_finite) throw std::invalid_argument("collision query with a pose that is not finite");
   }
 
-  /// Of a sphere or capsule.
+  void put_centre(std::size_t i) {
+    is_placed_[i] = false;
+    const Item& item = data_.items[i];
+    with_carrier(item, [&](const Matrix3d& R, const Vector3d& p) {
+      centres_[i] = R * item.bounds.centre + p;
+    });
+    require_finite(centres_[i].allFinite());
+  }
+
+  /// Calls take(R, p) with the pose of what carries the item, in B.
+  template <class Take>
+  void with_carrier(const Item& item, Take take) const {
+    if (item.carrier == Carrier::Target) {
+      take(R_BT_, p_BT_);
+    } else if (item.carrier == Carrier::Inertial) {
+      take(R_BN_, T_BN_.position);
+    } else if (item.body == kBase) {
+      take(Matrix3d::Identity(), Vector3d::Zero());
+    } else {
+      take(kinematics_.R[item.body], kinematics_.o[item.body]);
+    }
+  }
+
+  const Placed& placed(std::size_t i) {
+    Placed& out = placed_[i];
+    if (is_placed_[i]) return out;
+    is_placed_[i] = true;
+    const Item& item = data_.items[i];
+    with_carrier(item, [&](const Matrix3d& R, const Vector3d& p) {
+      out.R.noalias() = R * item.R;
+      out.p = R * item.pose.position + p;
+    });
+    if (item.round) {
+      out.round_a = out.R * item.round->a + out.p;
+      out.round_b = out.R * item.round->b + out.p;
+    }
+    return out;
+  }
+
+  /// Of a sphere or capsule that is placed.
   RoundSegment round_of(std::size_t i) const {
     return {placed_[i].round_a, placed_[i].round_b, data_.items[i].round->radius};
   }
 
   const CollisionScene::Data& data_;
-  bool has_target_;
+  const Kinematics<double>& kinematics_;
+  bool has_target_ = false;
+  Pose T_BN_;
+  Matrix3d R_BN_, R_BT_;
+  Vector3d p_BT_;
+  InPlaceArray<Vector3d, kItemsInPlace> centres_;  ///< of the bounding spheres
   InPlaceArray<Placed, kItemsInPlace> placed_;
+  InPlaceArray<bool, kItemsInPlace> is_placed_;
 };
 
 Proximity proximity(const CollisionScene::Data& data, const Pair& pair, double distance) {
@@ -356,17 +414,16 @@ Proximity proximity(const CollisionScene::Data& data, const Pair& pair, double d
 }
 
 /// The closest pair that may not touch and its distance; null: there is none.
-std::pair<const Pair*, double> closest_pair(const CollisionScene::Data& data,
-                                            const Instant& instant, bool with_hand_and_target) {
+std::pair<const Pair*, double> closest_pair(const CollisionScene::Data& data, Instant& instant,
+                                            bool with_hand_and_target, double least = kInfinity) {
   const Pair* closest = nullptr;
-  double least = kInfinity;
   for (const Pair& pair : data.pairs) {
     if (!instant.is_present(pair) || instant.may_touch(pair) ||
         (pair.is_hand_and_target && !with_hand_and_target)) {
       continue;
     }
     const double distance = instant.distance(pair, least);
-    if (closest == nullptr || distance < least) {
+    if (distance < least) {
       least = distance;
       closest = &pair;
     }
@@ -390,36 +447,71 @@ double motion_in_inertial(const Item& item, const SceneTravel& travel) {
 /// Bounds on how much the distances of pairs can change.
 class PairMotion {
  public:
-  PairMotion(const CollisionScene::Data& data, const SceneTravel& travel) : travel_(travel) {
-    const bool are_all_on_base = std::all_of(data.pairs.begin(), data.pairs.end(),
-                                             [](const Pair& pair) { return !pair.levers.empty(); });
-    if (are_all_on_base) return;
-    in_inertial_.resize(data.items.size());
-    for (std::size_t i = 0; i < data.items.size(); ++i) {
-      in_inertial_[i] = motion_in_inertial(data.items[i], travel);
-    }
-  }
+  PairMotion(const CollisionScene::Data& data, const SceneTravel& travel)
+      : data_(data),
+        travel_(travel),
+        most_(2 * motion_with_base(data.most, travel) + travel.target_translation +
+              travel.target_rotation * data.most_reach) {}
 
-  double of(const Pair& pair) const {
-    if (pair.levers.empty()) return in_inertial_[pair.a] + in_inertial_[pair.b];
-    double motion = 0;
-    for (std::size_t k = 0; k < pair.levers.size(); ++k) {
-      motion += travel_.joints[static_cast<Eigen::Index>(k)] * pair.levers[k];
+  /// Of any pair.
+  double most() const { return most_; }
+  /// Of the pair with that number.
+  double of(std::size_t i) const {
+    const Pair& pair = data_.pairs[i];
+    if (!pair.is_on_base) {
+      return motion_in_inertial(data_.items[pair.a], travel_) +
+             motion_in_inertial(data_.items[pair.b], travel_);
     }
-    return motion;
+    return data_.levers.col(static_cast<Eigen::Index>(i)).dot(travel_.joints);
   }
 
  private:
+  const CollisionScene::Data& data_;
   const SceneTravel& travel_;
-  InPlaceArray<double, kItemsInPlace> in_inertial_;  ///< of each item
+  double most_;
 };
+
+/// See CollisionScene::sweep().
+SweepResult sweep_pairs(const CollisionScene::Data& data, Instant& instant,
+                        const PairMotion& motions, const SceneTravel& travel, double margin) {
+  SweepResult result;
+  double smallest_reserve = 0;
+  for (std::size_t i = 0; i < data.pairs.size(); ++i) {
+    const Pair& pair = data.pairs[i];
+    if (!instant.is_present(pair)) continue;
+    const bool may_touch = instant.may_touch(pair);
+    if (!may_touch && instant.is_beyond(pair, margin + motions.most())) continue;
+    const double motion = motions.of(i);
+    double reserve = kInfinity;  // how much more the pair could have moved
+    double distance = 0;
+    if (may_touch) {
+      // The hand may touch now; is that so during the whole interval?
+      reserve = data.contact_allowance - instant.hand_to_contact -
+                (motion_with_base(data.hand, travel) + travel.target_translation +
+                 travel.target_rotation * data.contact_point.norm());
+      if (reserve >= 0) continue;
+    }
+    if (reserve == kInfinity) {
+      distance = instant.distance(pair, margin + motion);
+      if (distance <= 0 || distance < margin) {
+        return {SweepVerdict::Hit, proximity(data, pair, distance)};
+      }
+      reserve = distance - margin - motion;
+    }
+    if (reserve < smallest_reserve) {
+      smallest_reserve = reserve;
+      result = {SweepVerdict::Unsure, proximity(data, pair, distance)};
+    }
+  }
+  return result;
+}
 
 }  // namespace
 
 std::optional<Proximity> CollisionScene::first_hit(const Kinematics<double>& kinematics,
                                                    const Pose& base, const Pose* target,
                                                    double margin) const {
-  const Instant instant(*data_, kinematics, base, target);
+  Instant instant(*data_, kinematics, base, target);
   for (const Pair& pair : data_->pairs) {
     if (!instant.is_present(pair) || instant.may_touch(pair)) continue;
     const double distance = instant.distance(pair, std::max(margin, 0.0));
@@ -430,9 +522,9 @@ std::optional<Proximity> CollisionScene::first_hit(const Kinematics<double>& kin
 
 std::optional<Proximity> CollisionScene::nearest(const Kinematics<double>& kinematics,
                                                  const Pose& base, const Pose* target,
-                                                 bool with_hand_and_target) const {
-  const Instant instant(*data_, kinematics, base, target);
-  const auto [pair, distance] = closest_pair(*data_, instant, with_hand_and_target);
+                                                 bool with_hand_and_target, double below) const {
+  Instant instant(*data_, kinematics, base, target);
+  const auto [pair, distance] = closest_pair(*data_, instant, with_hand_and_target, below);
   if (pair == nullptr) return std::nullopt;
   return proximity(*data_, *pair, distance);
 }
@@ -440,7 +532,7 @@ std::optional<Proximity> CollisionScene::nearest(const Kinematics<double>& kinem
 std::optional<NearestPoints> CollisionScene::nearest_points(const Kinematics<double>& kinematics,
                                                             const Pose& base, const Pose* target,
                                                             bool with_hand_and_target) const {
-  const Instant instant(*data_, kinematics, base, target);
+  Instant instant(*data_, kinematics, base, target);
   const auto [pair, distance] = closest_pair(*data_, instant, with_hand_and_target);
   const auto points = pair == nullptr ? std::nullopt : instant.points(*pair);
   if (!points) return std::nullopt;
@@ -450,35 +542,23 @@ std::optional<NearestPoints> CollisionScene::nearest_points(const Kinematics<dou
 SweepResult CollisionScene::sweep(const Kinematics<double>& kinematics, const Pose& base,
                                   const Pose* target, const SceneTravel& travel,
                                   double margin) const {
-  const Instant instant(*data_, kinematics, base, target);
+  Instant instant(*data_, kinematics, base, target);
+  return sweep_pairs(*data_, instant, PairMotion(*data_, travel), travel, margin);
+}
+
+SweepVerdict CollisionScene::sweep_each(const Kinematics<double>& kinematics, const Pose& base,
+                                        const std::vector<Pose>& targets, const SceneTravel& travel,
+                                        double margin) const {
+  Instant instant(*data_, kinematics, base, nullptr);
   const PairMotion motions(*data_, travel);
-  SweepResult result;
-  double smallest_reserve = 0;
-  for (const Pair& pair : data_->pairs) {
-    if (!instant.is_present(pair)) continue;
-    const double motion = motions.of(pair);
-    double reserve = kInfinity;  // how much more the pair could have moved
-    double distance = 0;
-    if (instant.may_touch(pair)) {
-      // The hand may touch now; is that so during the whole interval?
-      reserve = data_->contact_allowance - instant.hand_to_contact -
-                (motion_with_base(data_->hand, travel) + travel.target_translation +
-                 travel.target_rotation * data_->contact_point.norm());
-      if (reserve >= 0) continue;
-    }
-    if (reserve == kInfinity) {
-      distance = instant.distance(pair, margin + motion);
-      if (distance <= 0 || distance < margin) {
-        return {SweepVerdict::Hit, proximity(*data_, pair, distance)};
-      }
-      reserve = distance - margin - motion;
-    }
-    if (reserve < smallest_reserve) {
-      smallest_reserve = reserve;
-      result = {SweepVerdict::Unsure, proximity(*data_, pair, distance)};
-    }
+  SweepVerdict out = SweepVerdict::Clear;
+  for (const Pose& target : targets) {
+    instant.put_target(target);
+    const SweepVerdict verdict = sweep_pairs(*data_, instant, motions, travel, margin).verdict;
+    if (verdict == SweepVerdict::Hit) return verdict;
+    if (verdict == SweepVerdict::Unsure) out = verdict;
   }
-  return result;
+  return out;
 }
 
 }  // namespace stillbase

@@ -18,6 +18,7 @@
 // have a distance <= 0 whose size means nothing.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -124,8 +125,10 @@ class CollisionScene {
   /// @param with_hand_and_target false: leave out the hand's body against the target, which touch
   /// at
   ///   the contact (their distance just outside contact_allowance says nothing about the path)
+  /// @param below m; pairs that are no closer are left out
   std::optional<Proximity> nearest(const Kinematics<double>& kinematics, const Pose& base,
-                                   const Pose* target, bool with_hand_and_target = true) const;
+                                   const Pose* target, bool with_hand_and_target = true,
+                                   double below = std::numeric_limits<double>::infinity()) const;
 
   /// The points of nearest(). Empty also when its bodies overlap.
   std::optional<NearestPoints> nearest_points(const Kinematics<double>& kinematics,
@@ -135,6 +138,11 @@ class CollisionScene {
   /// Distances at one instant and bounds on the motion of each pair give a verdict for an interval.
   SweepResult sweep(const Kinematics<double>& kinematics, const Pose& base, const Pose* target,
                     const SceneTravel& travel, double margin) const;
+
+  /// The verdict of sweep() with the target at one pose after the other: what is worst of all.
+  SweepVerdict sweep_each(const Kinematics<double>& kinematics, const Pose& base,
+                          const std::vector<Pose>& targets, const SceneTravel& travel,
+                          double margin) const;
 
   /// The same scene reduced to the pairs that the target is part of.
   CollisionScene target_pairs_only() const;
