@@ -323,7 +323,11 @@ class Instant {
 
   /// Distance of a pair, or another number above `enough` when it is above.
   double distance(const Pair& pair, double enough) {
-    if (is_beyond(pair, enough)) return kInfinity;
+    return is_beyond(pair, enough) ? kInfinity : distance_of_near(pair, enough);
+  }
+
+  /// Distance of a pair, or a lower bound of it that is above `enough`.
+  double distance_of_near(const Pair& pair, double enough) {
     const Item &a = data_.items[pair.a], &b = data_.items[pair.b];
     const Placed &pa = placed(pair.a), &pb = placed(pair.b);
     if (a.round && b.round) return round_distance(round_of(pair.a), round_of(pair.b));
@@ -492,7 +496,9 @@ SweepResult sweep_pairs(const CollisionScene::Data& data, Instant& instant,
       if (reserve >= 0) continue;
     }
     if (reserve == kInfinity) {
-      distance = instant.distance(pair, margin + motion);
+      if (instant.is_beyond(pair, margin + motion)) continue;
+      // A bound will do: what it leaves unsure is looked at again, with less motion.
+      distance = instant.distance_of_near(pair, margin);
       if (distance <= 0 || distance < margin) {
         return {SweepVerdict::Hit, proximity(data, pair, distance)};
       }
