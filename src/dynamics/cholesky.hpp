@@ -10,7 +10,7 @@ namespace stillbase {
 
 namespace cholesky_loops {
 
-// Of a lambda: a call more and the elements were in memory.
+// For lambdas: with a call in between, the copies of in_registers() would be in memory.
 #define STILLBASE_INLINE __attribute__((always_inline))
 
 /// A size that the compiler knows.
@@ -192,3 +192,5 @@ void solve_cholesky(const Matrix& L, Vector&& b) {
 }
 
 }  // namespace stillbase
+
+#undef STILLBASE_INLINE

@@ -48,15 +48,6 @@ InertiaMatrices<double> inertia_in_registers(const WideKernel& kernel, const Rob
 
 }  // namespace
 
-const WideKernel* wide_kernel(const RobotModel& robot) {
-  static const WideKernel* const kernel = [] {
-    const WideKernel* wide = wide_kernel_avx2();
-    return wide != nullptr && wide->runs_here() ? wide : nullptr;
-  }();
-  const bool fits = robot.num_bodies() > 0 && robot.num_bodies() <= kWideBodies;
-  return fits ? kernel : nullptr;
-}
-
 template <>
 Kinematics<double> compute_kinematics(const RobotModel& robot, const JointVectord& phi) {
   const WideKernel* const wide = wide_kernel(robot);
@@ -86,6 +77,7 @@ template <>
 BiasForces<double> compute_bias(const RobotModel& robot, const Kinematics<double>& kin,
                                 const Matrix3d* I, const Vector6d& Omega,
                                 const JointVectord& phidot) {
+  assert(phidot.size() == robot.n());
   const WideKernel* const wide = wide_kernel(robot);
   if (wide == nullptr || robot.is_coupled()) {
     return kernel::bias<double>(robot, kin, I, Omega, phidot);

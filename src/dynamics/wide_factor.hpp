@@ -25,7 +25,7 @@ struct WideNumber {
 
 /// Calls run(3 + joints), for usual arms as a number that the compiler knows.
 template <class Run>
-[[gnu::always_inline]] inline void with_size(int joints, Run run) {
+[[gnu::always_inline]] inline void with_equations(int joints, Run run) {
   if (joints == 7) return run(cholesky_loops::Size<10>());
   if (joints == 6) return run(cholesky_loops::Size<9>());
   return run(Eigen::Index(3 + joints));
@@ -37,7 +37,7 @@ constexpr Eigen::Index kRoomFor<cholesky_loops::Size<n>> = n;
 
 /// @param entry(i, j) of the lower triangle @param A n columns of n
 template <class N, class Entry>
-[[gnu::always_inline]] inline void factorize(N n, const Entry& entry, WideNumber* A) {
+[[gnu::always_inline]] inline void factorize_entries(N n, const Entry& entry, WideNumber* A) {
   cholesky_loops::each_below(n, [&](auto i, auto j) { A[i + j * n] = WideNumber(entry(i, j)); });
   cholesky_loops::factorize(A, n, n);
 }

@@ -24,11 +24,11 @@ struct JumpEquations {
   }
 
   void solve(int joints) {
-    with_size(joints, [this](auto n) {
+    with_equations(joints, [this](auto n) {
       namespace loops = cholesky_loops;
       constexpr Eigen::Index room = kRoomFor<decltype(n)>;
       WideNumber A[room * room], b[room];
-      factorize(
+      factorize_entries(
           n, [this](auto i, auto j) { return entry(i, j); }, A);
       loops::up(loops::kFirst, n, [&](auto i) { b[i] = WideNumber(x[i]); });
       loops::solve_scaled(A, n, n, b);
@@ -62,7 +62,7 @@ void wide_jump(const RobotModel& robot, const WideJoints& at, const double* adde
   equations.Htilde_omega = {I.c0 - of_mass.c0, I.c1 - of_mass.c1, I.c2 - of_mass.c2};
   store3(equations.x, moment - cross(r_bg, f));
   fill(robot, arm, inverse_mass, equations.Htilde_phi);
-  bool moves_hand[kWideBodies] = {};
+  bool moves_hand[kWideBodies] = {};  // as the robot's list, whose functions are not for this file
   for (int k = robot.hand_body; k != kBase; k = joints[k].parent) moves_hand[k] = true;
   for (int k = 0; k < n; ++k) {
     equations.Htilde_omegaphi[k] = arm.L[k] - cross(r_bg, arm.p[k]);

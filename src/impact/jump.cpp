@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 
 #include "dynamics/wide_joint_values.hpp"
 #include "impact/jump_kernel.hpp"
@@ -31,6 +32,7 @@ template <>
 ImpactJump<double> compute_jump(const RobotModel& robot, const JointVectord& phi,
                                 const JointVectord& added_inertia, const std::vector<bool>& locked,
                                 const Vector6d& Fbar) {
+  assert(added_inertia.size() == robot.n());
   const WideKernel* const wide = wide_kernel(robot);
   const bool is_plain = !robot.is_coupled() && robot.n() < kArticulatedBodyJoints &&
                         std::find(locked.begin(), locked.end(), true) == locked.end();

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <stillbase/core/constants.hpp>
+#include <stillbase/core/linear_algebra.hpp>
 
 namespace stillbase::nlp {
 
@@ -40,13 +41,6 @@ void combine(const Eigen::MatrixXd& M, const double* factors, int from, int to, 
     for (int j = from; j < to; ++j) sum += factors[j] * lanes(M.col(j).data() + k);
     lanes(out + k) = sum;
   }
-}
-
-/// allFinite() without a branch per number.
-bool are_finite(const double* a, int size) {
-  Lanes sum = Lanes::Zero();
-  for (int k = 0; k < size; k += kLanes) sum += lanes(a + k) * 0;
-  return (sum == 0).all();
 }
 
 /// Rotates a pair of vectors by (cosine, sine), the second one's sign such that it is a reflection.
@@ -264,7 +258,7 @@ DenseQp::Outcome DenseQp::solve() {
     return Outcome::NotConvex;
   }
   for (int row = 0; row < rows_; ++row) {
-    if (!are_finite(normals_.col(row).data(), padded_)) return Outcome::NotConvex;
+    if (!are_finite(normals_.col(row).head(padded_))) return Outcome::NotConvex;
   }
   size_ = 0;
   largest_pivot_ = 1;

@@ -15,7 +15,7 @@ constexpr int kUsual = 24;  // variables and rows that need no heap
 using Usual =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kUsual, kUsual>;
 
-/// In the least squares.
+/// x of least |A x - b|; the columns of A are independent.
 template <class Matrix>
 Eigen::VectorXd solve_rectangular(const Matrix& A, const Eigen::VectorXd& b) {
   return Eigen::HouseholderQR<Matrix>(A).solve(b);

@@ -213,6 +213,68 @@ TEST_CASE("what a sweep calls clear stays clear everywhere in the interval") {
   CHECK(hits > 20);
 }
 
+TEST_CASE("a sweep beside several poses of the target says what the worst of them says") {
+  const RobotModel robot = planar_robot(3);
+  SceneParts parts;
+  parts.target = cube_target();
+  const CollisionScene scene = CollisionScene(robot, parts).target_pairs_only();
+  Random random(8);
+  std::array<int, 3> verdicts{};
+  for (int i = 0; i < 300; ++i) {
+    const auto kinematics = compute_kinematics<double>(
+        robot,
+        posture({random.uniform(-90, 90), random.uniform(-90, 90), random.uniform(-90, 90)}));
+    SceneTravel travel;
+    travel.joints = JointVectord::Constant(3, random.uniform(0, 0.1));
+    std::vector<Pose> targets;
+    SweepVerdict worst = SweepVerdict::Clear;
+    for (int k = 0; k < 4; ++k) {
+      targets.push_back({Vector3d(random.uniform(4, 8), random.uniform(-4, 4), 0),
+                         rotation_exp(random.uniform() * random.unit_vector())});
+      worst =
+          std::max(worst, scene.sweep(kinematics, Pose{}, &targets.back(), travel, 0.01).verdict);
+    }
+    CHECK(scene.sweep_each(kinematics, Pose{}, targets, travel, 0.01) == worst);
+    ++verdicts[static_cast<std::size_t>(worst)];
+  }
+  for (const int count : verdicts) CHECK(count > 20);
+}
+
+TEST_CASE("the nearest pair below a distance is the nearest one or none") {
+  const RobotModel robot = planar_robot(3);
+  SceneParts parts;
+  parts.target = cube_target();
+  const CollisionScene scene(robot, parts);
+  const Pose target{Vector3d(6, 1, 0), Eigen::Quaterniond::Identity()};
+  Random random(9);
+  for (int i = 0; i < 100; ++i) {
+    const auto kinematics = compute_kinematics<double>(
+        robot,
+        posture({random.uniform(-60, 60), random.uniform(-60, 60), random.uniform(-60, 60)}));
+    const auto nearest = scene.nearest(kinematics, Pose{}, &target);
+    REQUIRE(nearest);
+    const double d = nearest->distance;
+    if (d <= 0) continue;
+    CHECK_FALSE(scene.nearest(kinematics, Pose{}, &target, true, d));
+    const auto below = scene.nearest(kinematics, Pose{}, &target, true, 1.01 * d);
+    REQUIRE(below);
+    CHECK(to_string(*below) == to_string(*nearest));
+    CHECK(below->distance == d);
+  }
+}
+
+TEST_CASE("bodies that overlap are a hit whatever the margin") {
+  SceneParts parts;
+  parts.target = cube_target();
+  const CollisionScene scene(planar_robot(3), parts);
+  const auto kinematics = compute_kinematics<double>(planar_robot(3), posture({0, 0, 0}));
+  SceneTravel travel;
+  travel.joints = JointVectord::Zero(3);
+  CHECK(scene.sweep(kinematics, Pose{}, nullptr, travel, -10).verdict != SweepVerdict::Hit);
+  const Pose inside;  // the target is in the base
+  CHECK(scene.sweep(kinematics, Pose{}, &inside, travel, -10).verdict == SweepVerdict::Hit);
+}
+
 TEST_CASE("numbers that are not finite are refused before they reach FCL") {
   const RobotModel robot = planar_robot();
   SceneParts parts;

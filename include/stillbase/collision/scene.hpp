@@ -71,7 +71,8 @@ enum class SweepVerdict {
 
 struct SweepResult {
   SweepVerdict verdict = SweepVerdict::Clear;
-  Proximity closest;  ///< the pair that decides, unless Clear
+  /// The pair that decides, unless Clear. Its distance may be a lower bound unless it is a Hit.
+  Proximity closest;
 };
 
 struct SceneOptions {
