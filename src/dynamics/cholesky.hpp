@@ -158,6 +158,25 @@ void factorize_cholesky(Matrix& A) {
   });
 }
 
+/// The same of the matrix whose lower triangle is entry(i, j, n), n its size, into L.
+template <class Matrix, class Entry>
+void factorize_cholesky_of(const Entry& entry, Matrix& L) {
+  using namespace cholesky_loops;
+  using S = typename Matrix::Scalar;
+  with_size<S>(L.rows(), [&](auto n) {
+    if constexpr (std::is_same_v<decltype(n), Eigen::Index>) {
+      each_below(n, [&](Eigen::Index i, Eigen::Index j) { L(i, j) = entry(i, j, n); });
+      factorize(L.data(), L.outerStride(), n);
+    } else {
+      S x[n * n];
+      S* const out = L.data();
+      each_below(n, [&](auto i, auto j) STILLBASE_INLINE { x[i + j * n] = entry(i, j, n); });
+      factorize(x, n, n);
+      each_below(n, [&](auto i, auto j) STILLBASE_INLINE { out[i + j * n] = x[i + j * n]; });
+    }
+  });
+}
+
 /// Solves L D x = b in place with the factor of factorize_cholesky(). b: contiguous.
 template <class Matrix, class Vector>
 void solve_scaled_cholesky(const Matrix& L, Vector&& b) {

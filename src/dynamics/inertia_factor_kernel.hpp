@@ -3,63 +3,54 @@
 
 #include <stillbase/dynamics/inertia_factor.hpp>
 
+#include <algorithm>
+
 #include "dynamics/cholesky.hpp"
 #include "dynamics/inertia_kernel.hpp"
 
 namespace stillbase {
 
-/// Factorizes the filled lower triangle of A.
-template <class S>
-static void factorize_filled(const InertiaMatrices<S>& inertia, const JointVectord& added_inertia,
-                             const std::vector<bool>& locked, InertiaFactor<S>& out) {
-  const Eigen::Index n = inertia.H_phi.rows();
-  out.mass = inertia.mass;
-  out.r_bg = inertia.r_bg;
-  out.H_vphi = inertia.H_bphi.template topRows<3>();
-  for (Eigen::Index k = 0; k < n; ++k) out.L(3 + k, 3 + k) += S(added_inertia[k]);
-  for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(locked.size()); ++k) {
-    if (!locked[static_cast<std::size_t>(k)]) continue;
-    out.locked.set(static_cast<std::size_t>(k));
-    for (Eigen::Index i = 0; i < 3 + k; ++i) out.L(3 + k, i) = S(0);
-    for (Eigen::Index j = k + 1; j < n; ++j) out.L(3 + j, 3 + k) = S(0);
-    out.L(3 + k, 3 + k) = S(1);
-  }
-  factorize_cholesky(out.L);
-}
-
-template <class S>
-InertiaFactor<S> factorize_inertia(const InertiaMatrices<S>& inertia,
-                                   const JointVectord& added_inertia,
-                                   const std::vector<bool>& locked) {
-  const Eigen::Index n = inertia.H_phi.rows();
-  InertiaFactor<S> out;
-  out.L.resize(3 + n, 3 + n);
-  out.L.template topLeftCorner<3, 3>() = inertia_about_system_centroid(inertia);
-  eliminate_base_translation(
-      inertia,
-      [&out](Eigen::Index k, const Vector3<S>& column) {
-        for (Eigen::Index i = 0; i < 3; ++i) out.L(3 + k, i) = column[i];
-      },
-      [&out](Eigen::Index j, Eigen::Index k, const S& value) { out.L(3 + j, 3 + k) = value; });
-  factorize_filled(inertia, added_inertia, locked, out);
-  return out;
-}
-
-/// The same where the translation is eliminated already.
+/// Where the translation is eliminated already.
 template <class S>
 InertiaFactor<S> factorize_inertia(const InertiaMatrices<S>& inertia, const TildeInertia<S>& tilde,
                                    const JointVectord& added_inertia,
                                    const std::vector<bool>& locked) {
   const Eigen::Index n = inertia.H_phi.rows();
   InertiaFactor<S> out;
+  out.mass = inertia.mass;
+  out.r_bg = inertia.r_bg;
+  out.H_vphi = inertia.H_bphi.template topRows<3>();
   out.L.resize(3 + n, 3 + n);
-  out.L.template topLeftCorner<3, 3>() = tilde.Htilde_omega;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    for (Eigen::Index i = 0; i < 3; ++i) out.L(3 + k, i) = tilde.Htilde_omegaphi(i, k);
-    for (Eigen::Index j = k; j < n; ++j) out.L(3 + j, 3 + k) = tilde.Htilde_phi(j, k);
+  const S *const coupling = tilde.Htilde_omegaphi.data(), *const arm = tilde.Htilde_phi.data();
+  const auto entry = [&](Eigen::Index i, Eigen::Index j, auto size) __attribute__((always_inline)) {
+    if (i < 3) return S(tilde.Htilde_omega(i, j));
+    if (j < 3) return S(coupling[j + 3 * (i - 3)]);
+    const S& value = arm[(i - 3) + (size - 3) * (j - 3)];
+    return i == j ? S(value + S(added_inertia[i - 3])) : S(value);
+  };
+  const auto is_locked = [&](Eigen::Index i) {
+    const auto k = static_cast<std::size_t>(i - 3);
+    return i >= 3 && k < locked.size() && locked[k];
+  };
+  if (std::find(locked.begin(), locked.end(), true) == locked.end()) {
+    factorize_cholesky_of(entry, out.L);
+    return out;
   }
-  factorize_filled(inertia, added_inertia, locked, out);
+  for (Eigen::Index j = 0; j < 3 + n; ++j) {
+    if (is_locked(j)) out.locked.set(static_cast<std::size_t>(j - 3));
+    for (Eigen::Index i = j; i < 3 + n; ++i) {
+      out.L(i, j) = is_locked(i) || is_locked(j) ? S(i == j ? 1 : 0) : entry(i, j, 3 + n);
+    }
+  }
+  factorize_cholesky(out.L);
   return out;
+}
+
+template <class S>
+InertiaFactor<S> factorize_inertia(const InertiaMatrices<S>& inertia,
+                                   const JointVectord& added_inertia,
+                                   const std::vector<bool>& locked) {
+  return factorize_inertia(inertia, compute_tilde_inertia(inertia), added_inertia, locked);
 }
 
 /// A right-hand side [F_b; tau] of the inertia matrix on its way to the motion.

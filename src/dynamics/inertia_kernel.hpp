@@ -129,43 +129,24 @@ template <class S>
   return inertia.H_bphi.template block<3, 1>(3, k) - inertia.r_bg.cross(p);
 }
 
-/// The columns of Htilde_omegaphi and the lower triangle of Htilde_phi, see TildeInertia, to
-/// put_column(k, column) and put_entry(j, k, value), j >= k.
-template <class S, class PutColumn, class PutEntry>
-[[gnu::always_inline]] inline void eliminate_base_translation(const InertiaMatrices<S>& inertia,
-                                                              PutColumn put_column,
-                                                              PutEntry put_entry) {
-  const Eigen::Index n = inertia.H_phi.rows();
-  const S inverse_mass = S(1) / inertia.mass;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    put_column(k, angular_coupling(inertia, k));
-    const Vector3<S> v = inertia.H_bphi.template block<3, 1>(0, k) * inverse_mass;
-    for (Eigen::Index j = k; j < n; ++j) {
-      put_entry(j, k, S(inertia.H_phi(j, k) - inertia.H_bphi.template block<3, 1>(0, j).dot(v)));
-    }
-  }
-}
-
-/// Htilde_omega, see TildeInertia.
-template <class S>
-Matrix3<S> inertia_about_system_centroid(const InertiaMatrices<S>& inertia) {
-  return inertia.H_b.template bottomRightCorner<3, 3>() - parallel_axis(inertia.mass, inertia.r_bg);
-}
-
 template <class S>
 TildeInertia<S> compute_tilde_inertia(const InertiaMatrices<S>& inertia) {
   const Eigen::Index n = inertia.H_phi.rows();
   TildeInertia<S> out;
-  out.Htilde_omega = inertia_about_system_centroid(inertia);
+  out.Htilde_omega =
+      inertia.H_b.template bottomRightCorner<3, 3>() - parallel_axis(inertia.mass, inertia.r_bg);
   out.Htilde_omegaphi.resize(3, n);
   out.Htilde_phi.resize(n, n);
-  eliminate_base_translation(
-      inertia,
-      [&out](Eigen::Index k, const Vector3<S>& column) { out.Htilde_omegaphi.col(k) = column; },
-      [&out](Eigen::Index j, Eigen::Index k, const S& value) {
-        out.Htilde_phi(j, k) = value;
-        out.Htilde_phi(k, j) = value;
-      });
+  const S inverse_mass = S(1) / inertia.mass;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    out.Htilde_omegaphi.col(k) = angular_coupling(inertia, k);
+    const Vector3<S> v = inertia.H_bphi.template block<3, 1>(0, k) * inverse_mass;
+    for (Eigen::Index j = k; j < n; ++j) {
+      const S value = inertia.H_phi(j, k) - inertia.H_bphi.template block<3, 1>(0, j).dot(v);
+      out.Htilde_phi(j, k) = value;
+      out.Htilde_phi(k, j) = value;
+    }
+  }
   return out;
 }
 
