@@ -194,7 +194,7 @@ void jump_of_chain(benchmark::State& state) {
     benchmark::ClobberMemory();
   });
 }
-BENCHMARK(jump_of_chain)->Arg(7)->Arg(13)->Arg(14)->Arg(30)->Arg(60);
+BENCHMARK(jump_of_chain)->Arg(7)->Arg(14)->Arg(20)->Arg(21)->Arg(60);
 
 /// One evaluation as an optimizer sees it: objective, gradient, constraints, Jacobian.
 void formulation_evaluate(benchmark::State& state) {

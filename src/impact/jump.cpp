@@ -34,8 +34,8 @@ ImpactJump<double> compute_jump(const RobotModel& robot, const JointVectord& phi
                                 const Vector6d& Fbar) {
   assert(added_inertia.size() == robot.n());
   const WideKernel* const wide = wide_kernel(robot);
-  const bool is_plain = !robot.is_coupled() && robot.n() < kArticulatedBodyJoints &&
-                        std::find(locked.begin(), locked.end(), true) == locked.end();
+  const bool is_plain =
+      !robot.is_coupled() && std::find(locked.begin(), locked.end(), true) == locked.end();
   if (wide == nullptr || !is_plain) {
     return kernel::jump<double>(robot, phi, added_inertia, locked, Fbar);
   }
