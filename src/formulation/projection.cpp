@@ -64,7 +64,8 @@ ProjectionResult project_onto_constraints(const Formulation& formulation, const 
   Eigen::VectorXd r, r_trial;
   Eigen::MatrixXd J, J_trial;
   evaluate_residual(formulation, out.x, zero_objective, true, r, J);
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+  int slow = 0;  // steps, the last ones
+  for (int iteration = 0; iteration < max_iterations && slow < options.slow_steps; ++iteration) {
     if (r.size() == 0 || r.cwiseAbs().maxCoeff() < exact) break;
     Eigen::VectorXd step = nlp::step_within_box(J, r, out.x, lower, upper);
     const double longest = step.cwiseAbs().maxCoeff();
@@ -85,6 +86,7 @@ ProjectionResult project_onto_constraints(const Formulation& formulation, const 
       }
     }
     if (!accepted) break;
+    slow = r.squaredNorm() > (1 - options.least_fall) * before ? slow + 1 : 0;
   }
   out.violation = r.size() == 0 ? 0 : r.cwiseAbs().maxCoeff();
   out.x = formulation.within_limits(out.x);

@@ -40,6 +40,9 @@ struct ProjectionOptions {
   /// errors and cost too much for the last digits.
   double exact_simulated = 1e-11;
   int halvings = 12;  ///< of a step that does not lower the residual; 1/4096 of it is lost anyway
+  /// Of the squared residual: a step that takes off less is slow.
+  double least_fall = 0.01;
+  int slow_steps = 3;  ///< in a row are the last: it stays where the constraints are out of reach
 };
 
 struct ProjectionResult {
