@@ -94,6 +94,13 @@ bool keeps_off_stops(const RobotModel& robot, const SimulationSummary& summary) 
   return true;
 }
 
+/// Whether a first run may be certain of the failure.
+bool is_smooth(const PostImpactSpec& spec, const Controller& controller) {
+  return spec.contact.model == ContactModel::Instantaneous &&
+         controller.kind != ControllerKind::Detumble && spec.control_period > 0 &&
+         !spec.joint_friction;
+}
+
 bool meets_stop(const SimulationSummary& summary) {
   return std::any_of(summary.limits.begin(), summary.limits.end(), [](const LimitEvent& event) {
     return event.kind == LimitKind::LowerStop || event.kind == LimitKind::UpperStop;
@@ -142,12 +149,6 @@ class AfterImpact {
     return "";
   }
 
-  /// Whether a first run may be certain of the failure.
-  bool is_smooth() const {
-    return spec_.contact.model == ContactModel::Instantaneous &&
-           controller_.kind != ControllerKind::Detumble && spec_.control_period > 0 &&
-           !spec_.joint_friction;
-  }
   /// This outlives the options.
   SimulationOptions first_run_options(const StopCondition& stop) const {
     SimulationOptions options = judging_options(problem_, stop);
@@ -234,6 +235,12 @@ class AfterImpact {
 
 }  // namespace
 
+int simulated_together(const CaptureProblem& problem) {
+  const auto controller = chosen_controller(problem.post_impact);
+  const bool is_so = controller && is_smooth(problem.post_impact, *controller);
+  return is_so ? size_of_group(problem.search.max_candidates, 1) : 1;
+}
+
 std::vector<std::string> post_impact_failures(const CaptureProblem& problem,
                                               const EncounterModel& model,
                                               const std::vector<Configuration>& configurations,
@@ -256,7 +263,7 @@ std::vector<std::string> post_impact_failures(const CaptureProblem& problem,
                        contact_case(problem, model, configurations[i], impacts[i]));
     failures[i] = cases[i].exceeded_grasp(nullptr);
     if (!failures[i].empty()) continue;
-    if (!cases[i].is_smooth()) {
+    if (!is_smooth(spec, *controller)) {
       whole_runs.push_back(i);
       continue;
     }

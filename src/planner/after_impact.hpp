@@ -13,6 +13,10 @@ namespace stillbase {
 /// As precise as limits are judged by.
 SimulationOptions judging_options(const CaptureProblem& problem, const StopCondition& stop);
 
+/// How many configurations are simulated in about the time of one: several side by side where a
+/// first run may be certain of what follows, else 1.
+int simulated_together(const CaptureProblem& problem);
+
 /// post_impact_failure() of configurations that meet one contact feature, simulated side by side.
 /// @param model the encounter with that feature: to make it takes longer than what follows
 /// @param impacts one per configuration

@@ -44,10 +44,10 @@ class Stage {
         options_(options),
         path_options_(options.approach),
         solver_calls_(solver_calls),
-        order_(candidates_to_try(problem, found.candidates, after)) {
+        order_(problem, found.candidates, after) {
     path_options_.clock = options.clock;
     path_options_.jobs = jobs_or_processors(options.jobs);
-    chosen_.candidate = order_.order.front();
+    chosen_.candidate = order_.first();
   }
 
   ChosenApproach choose() {
@@ -59,8 +59,8 @@ class Stage {
       one_by_one();
     }
     if (problem_.approach.effort == ApproachEffort::Best && chosen_.holds) go_on_to_better_ones();
-    excluded_.merge(order_.excluded);
     chosen_.excluded = std::move(excluded_);
+    chosen_.excluded.insert(order_.excluded().begin(), order_.excluded().end());
     return chosen_;
   }
 
@@ -89,8 +89,8 @@ class Stage {
 
   /// Whether a candidate as the search left it keeps the limits after the impact.
   bool keeps_limits(std::size_t candidate) const {
-    const auto end = order_.order.begin() + static_cast<std::ptrdiff_t>(order_.holding);
-    return std::find(order_.order.begin(), end, candidate) != end;
+    const std::vector<std::size_t>& holding = order_.holding();
+    return std::find(holding.begin(), holding.end(), candidate) != holding.end();
   }
 
   std::unique_ptr<ContactRefinement> contact_at(std::size_t i) const {
@@ -169,10 +169,10 @@ class Stage {
   /// `max_approaches`.
   void go_on_to_better_ones() {
     int tried = 0;
-    for (std::size_t k = 0; k < order_.holding; ++k) {
+    for (std::size_t k = 0; k < order_.holding().size(); ++k) {
       const Candidate& reached =
           chosen_.certified ? chosen_.certified->candidate : found_.candidates[chosen_.candidate];
-      const std::size_t i = order_.order[k];
+      const std::size_t i = order_.holding()[k];
       const double gained = reached.value - found_.candidates[i].value;
       if (options_.stop.reached()) return;
       if (!(gained > options_.improvement * reached.value) || tried_alone_.count(i) > 0) continue;
@@ -235,7 +235,8 @@ class Stage {
   /// Tries each candidate, at most `max_approaches`, and other forms of the good ones before the
   /// other candidates. Where one fails its neighbours mostly fail too, so that they come last.
   void one_by_one() {
-    const std::vector<std::size_t>& order = order_.order;
+    order_.judge_all();
+    const std::vector<std::size_t> order = order_.all();
     std::vector<std::size_t> sequence, neighbours;
     for (std::size_t i = 0; i < order.size(); ++i) {
       const bool is_new = std::none_of(sequence.begin(), sequence.end(), [&](std::size_t other) {
@@ -268,9 +269,9 @@ class Stage {
   /// @return as take()
   bool to_other_forms() {
     std::list<std::list<Goal>> forms;
-    for (std::size_t k = 0; k < order_.holding && !options_.stop.reached(); ++k) {
+    for (std::size_t k = 0; k < order_.holding().size() && !options_.stop.reached(); ++k) {
       if (static_cast<int>(forms.size()) == problem_.approach.max_approaches) break;
-      if (is_goal(k)) forms.push_back(other_forms(order_.order[k]));
+      if (is_goal(k)) forms.push_back(other_forms(order_.holding()[k]));
     }
     // The first form of each candidate, then the second one of each.
     std::list<Goal> goals;
@@ -374,7 +375,7 @@ class Stage {
     const auto rank = [this](const Candidate& candidate) {
       return std::max(rank_of(problem_, candidate), kZeroRank);
     };
-    const double best = rank(found_.candidates[order_.order.front()]);
+    const double best = rank(found_.candidates[order_.first()]);
     for (const Goal& goal : goals) {
       // A goal twice as bad is sampled a quarter as often. Zeros are equally good.
       const double part = rank(candidate_of(goal)) / best;
@@ -412,17 +413,23 @@ class Stage {
   /// the limits after the impact. Within the null space, and where the base follows the path, any
   /// contact that can be reached is a goal: it is improved along the path.
   bool is_goal(std::size_t place) const {
-    if (place >= order_.holding) return false;
-    const Candidate& best = found_.candidates[order_.order.front()];
-    return path_decides(problem_) || is_good(problem_, found_.candidates[order_.order[place]], best,
-                                             problem_.approach.goal_factor);
+    const std::vector<std::size_t>& holding = order_.holding();
+    if (place >= holding.size()) return false;
+    return path_decides(problem_) ||
+           is_good(problem_, found_.candidates[holding[place]],
+                   found_.candidates[holding.front()], problem_.approach.goal_factor);
   }
 
-  std::list<Goal> good_candidates() const {
+  std::list<Goal> good_candidates() {
+    if (path_decides(problem_)) {
+      order_.judge_all();
+    } else {
+      order_.judge_good_ones(problem_.approach.goal_factor);
+    }
     std::list<Goal> goals;
-    for (std::size_t k = 0; k < order_.holding; ++k) {
+    for (std::size_t k = 0; k < order_.holding().size(); ++k) {
       if (!is_goal(k)) continue;
-      const std::size_t i = order_.order[k];
+      const std::size_t i = order_.holding()[k];
       const Candidate& candidate = found_.candidates[i];
       Goal goal{i, {}, false, collisions_.target_towards(candidate.configuration), nullptr};
       goal.contact = contact_at(i);

@@ -13,6 +13,7 @@
 #include "plan/exclusion_words.hpp"
 #include "planner/after_impact.hpp"
 #include "planner/choice.hpp"
+#include "planner/self_motion.hpp"
 
 namespace stillbase {
 
@@ -119,31 +120,65 @@ void AfterImpactJudge::judge_all(const std::vector<Configuration>& configuration
   });
 }
 
-CandidateOrder candidates_to_try(const CaptureProblem& problem,
-                                 const std::vector<Candidate>& candidates,
-                                 AfterImpactJudge& after) {
-  CandidateOrder out;
+void AfterImpactJudge::judge_from(std::size_t place, const std::vector<Candidate>& candidates) {
+  if (!candidates[place].collision_free || known(candidates[place].configuration)) return;
+  const auto most = static_cast<std::size_t>(jobs_ * simulated_together(problem_));
   std::vector<Configuration> to_judge;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.collision_free) to_judge.push_back(candidate.configuration);
+  for (std::size_t i = place; i < candidates.size() && to_judge.size() < most; ++i) {
+    if (candidates[i].collision_free) to_judge.push_back(candidates[i].configuration);
   }
-  after.judge_all(to_judge);
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (!candidates[i].collision_free) {
-      out.excluded[i] = exclusion::kAtContact + candidates[i].collision;
-      continue;
-    }
-    const std::string failure = after.failure(candidates[i].configuration);
-    if (!failure.empty()) out.excluded[i] = exclusion::kAfterImpact + failure;
-    (failure.empty() ? out.order : others).push_back(i);
+  judge_all(to_judge);
+}
+
+CandidateOrder::CandidateOrder(const CaptureProblem& problem,
+                               const std::vector<Candidate>& candidates, AfterImpactJudge& after)
+    : problem_(problem), candidates_(candidates), after_(after) {
+  while (judged_ < candidates.size() && holding_.empty()) {
+    after.judge_from(judged_, candidates);
+    take_next();
   }
-  out.holding = out.order.size();
-  out.order.insert(out.order.end(), others.begin(), others.end());
-  for (std::size_t i = 0; i < candidates.size() && base_follows_path(problem); ++i) {
-    if (!candidates[i].collision_free) out.order.push_back(i);
+}
+
+void CandidateOrder::take_next() {
+  const std::size_t i = judged_++;
+  const Candidate& candidate = candidates_[i];
+  if (!candidate.collision_free) {
+    excluded_[i] = exclusion::kAtContact + candidate.collision;
+    colliding_.push_back(i);
+    return;
   }
-  if (out.order.empty()) out.order.push_back(0);
+  const std::string failure = after_.failure(candidate.configuration);
+  if (!failure.empty()) excluded_[i] = exclusion::kAfterImpact + failure;
+  (failure.empty() ? holding_ : others_).push_back(i);
+}
+
+void CandidateOrder::judge_up_to(std::size_t end) {
+  std::vector<Configuration> to_judge;
+  for (std::size_t i = judged_; i < end; ++i) {
+    if (candidates_[i].collision_free) to_judge.push_back(candidates_[i].configuration);
+  }
+  after_.judge_all(to_judge);
+  while (judged_ < end) take_next();
+}
+
+void CandidateOrder::judge_good_ones(double factor) {
+  if (holding_.empty()) return;  // all are judged
+  const Candidate& best = candidates_[holding_.front()];
+  std::size_t end = candidates_.size();
+  while (end > judged_ && !is_good(problem_, candidates_[end - 1], best, factor)) --end;
+  judge_up_to(end);
+}
+
+std::size_t CandidateOrder::first() const {
+  if (!holding_.empty()) return holding_.front();
+  return others_.empty() ? 0 : others_.front();
+}
+
+std::vector<std::size_t> CandidateOrder::all() const {
+  std::vector<std::size_t> out = holding_;
+  out.insert(out.end(), others_.begin(), others_.end());
+  if (base_follows_path(problem_)) out.insert(out.end(), colliding_.begin(), colliding_.end());
+  if (out.empty()) out.push_back(first());
   return out;
 }
 

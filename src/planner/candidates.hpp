@@ -81,6 +81,9 @@ class AfterImpactJudge {
   bool keeps_limits(const Configuration& configuration) { return failure(configuration).empty(); }
   /// Simulates those that nothing is known of yet, several at a time, until the stop is reached.
   void judge_all(const std::vector<Configuration>& configurations);
+  /// The same of the candidate at a place, if it touches nothing, and of as many of those behind it
+  /// as take little more time than it takes alone.
+  void judge_from(std::size_t place, const std::vector<Candidate>& candidates);
 
  private:
   std::optional<std::string> known(const Configuration& configuration);
@@ -95,18 +98,41 @@ class AfterImpactJudge {
   std::vector<std::pair<Configuration, std::string>> known_;
 };
 
-/// Order in which approaches are tried.
-struct CandidateOrder {
-  /// Candidates free of collision that keep the problem's limits after the impact, best first; then
-  /// the other ones free of collision. Where the base's pose follows from the path, collisions at
-  /// the stated pose say little, and all candidates follow. Never empty: the best is always there.
-  std::vector<std::size_t> order;
-  std::size_t holding = 0;  ///< how many of the first ones keep the limits
-  /// Why a candidate is not among those: what it collides with, or the limit that it exceeds.
-  std::map<std::size_t, std::string> excluded = {};
+/// Order in which approaches are tried. Candidates are judged when they are asked about: simulations
+/// of worse ones than the plan needs would be a third of a short plan.
+class CandidateOrder {
+ public:
+  /// Judges up to the first candidate that holds. All arguments outlive this.
+  CandidateOrder(const CaptureProblem& problem, const std::vector<Candidate>& candidates,
+                 AfterImpactJudge& after);
+
+  /// Judges all that count as good beside the best one that holds, and those before them.
+  void judge_good_ones(double factor);
+  void judge_all() { judge_up_to(candidates_.size()); }
+
+  /// Those judged so far that touch nothing and keep the problem's limits after the impact, best
+  /// first.
+  const std::vector<std::size_t>& holding() const { return holding_; }
+  /// The best that holds; where none does, the best that touches nothing, else the best.
+  std::size_t first() const;
+  /// Once all are judged: those that hold, then the other ones free of collision. Where the base's
+  /// pose follows from the path, collisions at the stated pose say little, and all others follow.
+  /// Never empty: first() is always there.
+  std::vector<std::size_t> all() const;
+  /// Why one judged so far does not hold: what it collides with, or the limit that it exceeds.
+  const std::map<std::size_t, std::string>& excluded() const { return excluded_; }
+
+ private:
+  void judge_up_to(std::size_t end);
+  void take_next();
+
+  const CaptureProblem& problem_;
+  const std::vector<Candidate>& candidates_;
+  AfterImpactJudge& after_;
+  std::size_t judged_ = 0;  ///< how many of the first ones
+  std::vector<std::size_t> holding_, others_, colliding_;
+  std::map<std::size_t, std::string> excluded_;
 };
-CandidateOrder candidates_to_try(const CaptureProblem& problem,
-                                 const std::vector<Candidate>& candidates, AfterImpactJudge& after);
 
 /// A configuration beside those that the search found, with everything that a plan states about it.
 struct CertifiedCandidate {

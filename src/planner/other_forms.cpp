@@ -91,6 +91,7 @@ void take_forms_that_hold(const CaptureProblem& problem, const CollisionJudge& c
   int tried = 0;
   for (std::size_t i = 0; i < found.candidates.size() && !options.stop.reached(); ++i) {
     Candidate& candidate = found.candidates[i];
+    after.judge_from(i, found.candidates);
     if (candidate.collision_free && after.keeps_limits(candidate.configuration)) return;
     // Whole turns away the same bodies touch.
     std::vector<Configuration> forms;
