@@ -254,6 +254,10 @@ ApproachToAny attempt_all(std::vector<AttemptGoal>& goals, int limit, std::size_
     if (result.is_base_hit && ++goal.base_hits >= most_base_hits) result.hopeless = true;
     if (result.hopeless) goal.failures = limit;
   }
+  out.base_hits.resize(asked);
+  for (const AttemptGoal& goal : goals) {
+    if (asked > 0) out.base_hits[goal.index] = goal.base_hits;
+  }
   if (asked > 0) {
     failure.detail += fmt::format(" (going for {} goals at once)", asked);
   } else if (attempts > 1) {
@@ -346,6 +350,9 @@ ApproachToAny approach_with_run_to_any(const CaptureProblem& problem,
   }
   if (open.empty()) return out;
   out = attempt_all(open, options.attempts_of_set, goals.size(), seed, stop, solver_calls);
+  std::vector<int> base_hits(out.base_hits.size());
+  for (std::size_t j = 0; j < asked.size(); ++j) base_hits[asked[j]] = out.base_hits[j];
+  out.base_hits = std::move(base_hits);
   const MovingGoal& reached = moving[out.goal];
   if (out.approach.status == ApproachStatus::Found) {
     append_arrival(reached.task, reached.arrival, out.approach);

@@ -72,6 +72,7 @@ class Stage {
     bool is_sample = false;
     std::optional<TargetMotion> motion;
     std::unique_ptr<ContactRefinement> contact;  ///< not of a sample
+    int base_hits = 0;  ///< attempts beside other goals on which the target touches the base
   };
 
   void without_approach() {
@@ -181,7 +182,7 @@ class Stage {
       const Approach approach = approach_to(i, seed_ + k, &contact);
       if (!arrives(approach)) {
         if (path_decides(problem_)) continue;
-        const std::list<Goal> goals = other_forms(i);
+        std::list<Goal> goals = other_forms(i);
         if (goals.empty()) continue;
         const ApproachToAny any = approach_to_goals(goals, seed_ + k);
         if (!arrives(any.approach)) continue;
@@ -313,9 +314,11 @@ class Stage {
     const auto work = [&](int i) {
       if (is_reached) return;
       auto& [goal, approach, calls] = attempts[static_cast<std::size_t>(i)];
+      ApproachOptions own_options = path_options;
+      own_options.base_hits = std::max(1, own_options.base_hits - goal->base_hits);
       approach =
           plan_approach(problem_, configuration_of(*goal), goal->motion ? &*goal->motion : nullptr,
-                        seed_, options_.stop, calls, goal->contact->solver(), path_options);
+                        seed_, options_.stop, calls, goal->contact->solver(), own_options);
     };
     const auto take = [&](int i) {
       if (is_reached) return;
@@ -370,7 +373,7 @@ class Stage {
   }
 
   /// One run of the planner for all of them.
-  ApproachToAny approach_to_goals(const std::list<Goal>& goals, std::uint64_t seed) {
+  ApproachToAny approach_to_goals(std::list<Goal>& goals, std::uint64_t seed) {
     std::vector<ApproachGoal> asked;
     const auto rank = [this](const Candidate& candidate) {
       return std::max(rank_of(problem_, candidate), kZeroRank);
@@ -384,14 +387,16 @@ class Stage {
     }
     ApproachToAny any =
         plan_approach_to_any(problem_, asked, seed, options_.stop, solver_calls_, path_options_);
-    for (const Goal& goal : goals) {
+    std::size_t i = 0;
+    for (Goal& goal : goals) {
       if (goal.contact) count_calls(*goal.contact);
+      if (!any.base_hits.empty()) goal.base_hits = any.base_hits[i++];
     }
     return any;
   }
 
   /// @return whether an approach leads to a configuration whose limits hold after the impact
-  bool to_any_of(const std::list<Goal>& goals) {
+  bool to_any_of(std::list<Goal>& goals) {
     if (options_.stop.reached()) return false;
     progress(0);
     const ApproachToAny any = approach_to_goals(goals, seed_);

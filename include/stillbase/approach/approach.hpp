@@ -95,6 +95,8 @@ struct ApproachGoal {
 struct ApproachToAny {
   Approach approach;
   std::size_t goal = 0;  ///< index of the goal that it leads to, or of the last one tried
+  /// Of a failure, for each goal: attempts that count for ApproachOptions::base_hits.
+  std::vector<int> base_hits = {};
 };
 
 /// Plans the approach to any of several configurations, the best one first. One run of the planner
