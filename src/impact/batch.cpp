@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "impact/batch_run.hpp"
+#include "impact/direction_squares_kernel.hpp"
 #include "impact/null_velocities.hpp"
 
 namespace stillbase {
@@ -20,6 +21,7 @@ const BatchKernel* batch_kernel_plain() {
          const NullVelocityColumns& columns) {
         find_null_velocities<double>(robot, free, columns, 1);
       },
+      run_direction_squares<double>,
       [](const double* x, double* sine, double* cosine) {
         *sine = std::sin(*x);
         *cosine = std::cos(*x);
@@ -132,6 +134,10 @@ void evaluate_objective(const RobotModel& robot, const ImpactResistance& resista
     }
   }
   run(robot, resistance, columns);
+}
+
+void find_direction_squares(const DirectionSquares& directions) {
+  batch_kernels().front()->direction_squares(directions);
 }
 
 void find_null_velocities(const RobotModel& robot, const std::vector<Eigen::Index>& free,

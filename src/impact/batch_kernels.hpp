@@ -7,6 +7,8 @@
 
 #include <stillbase/impact/batch.hpp>
 
+#include "impact/direction_squares.hpp"
+
 namespace stillbase {
 
 /// The matrix of one part of the objective, plain numbers: kernels for wide registers share no
@@ -56,6 +58,7 @@ struct BatchKernel {
               const BatchColumns& columns);
   void (*null_velocities)(const RobotModel& robot, const std::vector<Eigen::Index>& free,
                           const NullVelocityColumns& columns);
+  void (*direction_squares)(const DirectionSquares& directions);
   /// Sine and cosine of `lanes` angles: for the tests.
   void (*sin_cos)(const double* x, double* sine, double* cosine);
 };

@@ -6,6 +6,7 @@
 #include "dynamics/kinematics_kernel.hpp"
 #include "impact/batch_run.hpp"
 #include "impact/contact_response_kernel.hpp"
+#include "impact/direction_squares_kernel.hpp"
 #include "impact/gradient_kernel.hpp"
 #include "impact/jump_kernel.hpp"
 
@@ -28,7 +29,8 @@ constexpr BatchKernel pack_kernel(bool (*runs_here)()) {
     s.store(sine);
     c.store(cosine);
   };
-  return {P::kLanes, kMaxJointsOf<P>, runs_here, run, null_velocities, sin_cos};
+  return {P::kLanes,       kMaxJointsOf<P>,          runs_here, run,
+          null_velocities, run_direction_squares<P>, sin_cos};
 }
 
 }  // namespace stillbase

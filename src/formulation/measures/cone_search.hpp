@@ -22,14 +22,17 @@ class ConeSearch {
  private:
   /// Rings about the nominal direction, or a row in the wedge.
   void scan(const DirectionModel& model);
+  /// The middle, then spoke by spoke, or along the row.
+  Eigen::Vector2d place(std::size_t i) const;
+  void find_squares(const DirectionModel& model);
   /// Whether no neighbour of the i-th place has a larger value.
   bool is_peak(std::size_t i) const;
 
-  std::vector<Eigen::Vector2d> polar_;  ///< cosine and sine of each ring's angle
-  std::vector<Eigen::Vector2d> grid_;   ///< the middle, then spoke by spoke
-  std::size_t rings_ = 0;               ///< places on a spoke; 0: a row
-  std::vector<Vector3d> directions_;
-  std::vector<double> values_;
+  double half_angle_ = 0;
+  std::size_t count_ = 1;        ///< of places
+  std::size_t rings_ = 0;        ///< places on a spoke; 0: a row
+  Eigen::MatrixX3d directions_;  ///< of the places, see DirectionModel::squares()
+  std::vector<double> squares_;  ///< |y|^2 of the places, and beyond them
   std::vector<ConePlace> peaks_, seeds_, found_;
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/pack.hpp"
+#include "impact/direction_squares.hpp"
 
 namespace stillbase {
 
@@ -117,24 +117,16 @@ Eigen::Vector2d DirectionModel::project(Eigen::Vector2d c) const {
   return angle > half_angle ? Eigen::Vector2d(c * (half_angle / angle)) : c;
 }
 
-template <class S>
-S DirectionModel::square(const Vector3<S>& d) const {
-  if (whole_square) return S(*whole_square);
-  S p(problem.impulse.magnitude);
+double DirectionModel::square(const Vector3d& d) const {
+  if (whole_square) return *whole_square;
+  double p = problem.impulse.magnitude;
   if (!model.magnitude_is_given()) {
-    const Vector3d& v_t = velocity;
-    const S speed = !model.follows_target()
-                        ? S(encounter.closing_speed)
-                        : d[0] * S(v_t[0]) + d[1] * S(v_t[1]) + d[2] * S(v_t[2]);
-    S inverse_mass(0);
-    for (int i = 0; i < 3; ++i) {
-      inverse_mass += d[i] * (S(W(i, 0)) * d[0] + S(W(i, 1)) * d[1] + S(W(i, 2)) * d[2]);
-    }
-    p = S(1 + problem.impulse.restitution) * positive_part(speed) / inverse_mass;
+    const double speed = !model.follows_target() ? encounter.closing_speed : d.dot(velocity);
+    p = (1 + problem.impulse.restitution) * positive_part(speed) / d.dot(W * d);
   }
-  S sum(0);
+  double sum = 0;
   for (Eigen::Index i = 0; i < Y.rows(); ++i) {
-    const S y = p * (S(Y(i, 0)) * d[0] + S(Y(i, 1)) * d[1] + S(Y(i, 2)) * d[2] + S(Y(i, 3)));
+    const double y = p * (Y.row(i).head<3>().dot(d) + Y(i, 3));
     sum += y * y;
   }
   return sum;
@@ -158,28 +150,44 @@ double DirectionModel::other_square(const Vector3d& d, const StopCondition& unti
 
 double DirectionModel::value(const Eigen::Vector2d& c) const {
   const Vector3d d = direction(c);
-  if (is_linear()) return std::sqrt(square<double>(d));
+  if (is_linear()) return std::sqrt(square(d));
   const bool is_predicted = c.isZero(0);
   if (!is_predicted && !is_complete()) return -kInfinity;
-  const double sum = square<double>(d) + other_square(d, is_predicted ? StopCondition{} : stop);
+  const double sum = square(d) + other_square(d, is_predicted ? StopCondition{} : stop);
   return std::isnan(sum) && !is_complete() ? -kInfinity : std::sqrt(sum);
 }
 
-void DirectionModel::values(const std::vector<Eigen::Vector2d>& places,
-                            const std::vector<Vector3d>& directions,
-                            std::vector<double>& values) const {
-  using Lanes = Pack<2>;
-  values.resize(places.size());
-  std::size_t i = 0;
-  for (; i + 2 <= places.size() && is_linear(); i += 2) {
-    Vector3<Lanes> both;
-    for (int k = 0; k < 3; ++k) {
-      const double entries[2] = {directions[i][k], directions[i + 1][k]};
-      both[k] = Lanes::load(entries);
+void DirectionModel::squares(const Eigen::MatrixX3d& directions,
+                             std::vector<double>& squares) const {
+  const Eigen::Index count = directions.rows();
+  if (whole_square) return squares.assign(static_cast<std::size_t>(count), *whole_square);
+  squares.resize(static_cast<std::size_t>(count));
+  Matrix3d basis;
+  basis << n, u, v;
+  Eigen::Matrix<double, Eigen::Dynamic, 4> Y_here(Y.rows(), 4);
+  Y_here.leftCols<3>().noalias() = Y.leftCols<3>() * basis;
+  Y_here.col(3) = Y.col(3);
+  const Matrix3d W_here = basis.transpose() * W * basis;
+  const Vector3d velocity_here = basis.transpose() * velocity;
+  DirectionSquares asked{
+      .count = count,
+      .d = {directions.col(0).data(), directions.col(1).data(), directions.col(2).data()},
+      .rows = Y.rows(),
+      .Y = Y_here.data(),
+      .p = problem.impulse.magnitude,
+      .speed_of_d = nullptr,
+      .W = nullptr,
+      .squares = squares.data()};
+  if (!model.magnitude_is_given()) {
+    asked.p = 1 + problem.impulse.restitution;
+    asked.W = W_here.data();
+    if (model.follows_target()) {
+      asked.speed_of_d = velocity_here.data();
+    } else {
+      asked.p *= positive_part(encounter.closing_speed);
     }
-    sqrt(square<Lanes>(both)).store(&values[i]);
   }
-  for (; i < places.size(); ++i) values[i] = value(places[i]);
+  find_direction_squares(asked);
 }
 
 bool DirectionModel::log_derivatives(const Vector3d& d, Vector3d& gradient,

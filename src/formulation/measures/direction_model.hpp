@@ -48,10 +48,10 @@ struct DirectionModel {
   double value(const Eigen::Vector2d& c) const;
   /// Whether no value was given up so far.
   bool is_complete() const { return !differenced.is_simulated() || !stop.reached(); }
-  /// Values along the directions, two at a time. Where it is not linear the places count, which the
-  /// directions belong to.
-  void values(const std::vector<Eigen::Vector2d>& places, const std::vector<Vector3d>& directions,
-              std::vector<double>& values) const;
+  /// |y|^2 along directions, several at a time. @pre is_linear()
+  /// @param directions one per row, in the basis (n, u, v); a multiple of
+  ///   DirectionSquares::kMostLanes
+  void squares(const Eigen::MatrixX3d& directions, std::vector<double>& squares) const;
   /// Whether |y| is known in closed form: nothing simulated, nothing of the user's.
   bool is_linear() const { return differenced.empty(); }
   /// Gradient and Hessian of ln |y|^2 over d, as if d were any vector. False where |y| is zero and
@@ -59,8 +59,7 @@ struct DirectionModel {
   bool log_derivatives(const Vector3d& d, Vector3d& gradient, Matrix3d& hessian) const;
 
  private:
-  template <class S>
-  S square(const Vector3<S>& d) const;
+  double square(const Vector3d& d) const;
   double other_square(const Vector3d& d, const StopCondition& until) const;
 
   const JumpObjective& jump_;

@@ -11,6 +11,7 @@
 
 #include "formulation/measures/cone_search.hpp"
 #include "formulation/measures/residual.hpp"
+#include "impact/direction_squares.hpp"
 
 namespace stillbase {
 
@@ -205,44 +206,69 @@ Place refine(const DirectionModel& model, Place place) {
 
 void ConeSearch::scan(const DirectionModel& model) {
   const auto [rings, spokes, row, climbs] = scan_of(model);
-  const double alpha = model.half_angle;
-  rings_ = alpha > 0 && !model.planar ? static_cast<std::size_t>(rings) : 0;
-  grid_.assign(1, Eigen::Vector2d::Zero());
-  directions_.assign(1, model.n);
-  if (alpha > 0 && model.planar) {
-    for (int i = 0; i < row; ++i) {
-      grid_.emplace_back(alpha * (2.0 * i / (row - 1) - 1), 0);
-      directions_.push_back(model.direction(grid_.back()));
+  half_angle_ = model.half_angle;
+  rings_ = half_angle_ > 0 && !model.planar ? static_cast<std::size_t>(rings) : 0;
+  count_ = 1 + (rings_ > 0        ? rings_ * static_cast<std::size_t>(spokes)
+                : half_angle_ > 0 ? static_cast<std::size_t>(row)
+                                  : 0);
+  if (model.is_linear()) return find_squares(model);
+  squares_.resize(count_);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double value = model.value(place(i));
+    squares_[i] = std::copysign(value * value, value);  // what was given up is below all others
+  }
+}
+
+Eigen::Vector2d ConeSearch::place(std::size_t i) const {
+  if (i == 0) return Eigen::Vector2d::Zero();
+  const auto part = [](std::size_t a, std::size_t b) {
+    return static_cast<double>(a) / static_cast<double>(b);
+  };
+  if (rings_ == 0) return {half_angle_ * (2 * part(i - 1, count_ - 2) - 1), 0};
+  const double turn = 2 * kPi * part((i - 1) / rings_, (count_ - 1) / rings_);
+  const double angle = half_angle_ * part((i - 1) % rings_ + 1, rings_);
+  return angle * Eigen::Vector2d(std::cos(turn), std::sin(turn));
+}
+
+void ConeSearch::find_squares(const DirectionModel& model) {
+  constexpr auto kLanes = static_cast<std::size_t>(DirectionSquares::kMostLanes);
+  const auto padded = static_cast<Eigen::Index>((count_ + kLanes - 1) / kLanes * kLanes);
+  directions_.resize(padded, 3);
+  directions_.col(0).setOnes();
+  directions_.rightCols<2>().setZero();
+  if (rings_ == 0) {
+    for (std::size_t i = 1; i < count_; ++i) {
+      const double angle = place(i)[0];
+      directions_.row(static_cast<Eigen::Index>(i)) << std::cos(angle), std::sin(angle), 0;
     }
-  } else if (alpha > 0) {
-    grid_.reserve(1 + static_cast<std::size_t>(rings) * static_cast<std::size_t>(spokes));
-    directions_.reserve(grid_.capacity());
-    polar_.clear();
-    for (int ring = 1; ring <= rings; ++ring) {
-      const double angle = alpha * ring / rings;
-      polar_.emplace_back(std::cos(angle), std::sin(angle));
+  } else {
+    // The first spoke, and the others as it turned.
+    const auto rings = static_cast<Eigen::Index>(rings_);
+    const auto spokes = static_cast<Eigen::Index>((count_ - 1) / rings_);
+    for (Eigen::Index ring = 1; ring <= rings; ++ring) {
+      const double angle = place(static_cast<std::size_t>(ring))[0];
+      directions_(ring, 0) = std::cos(angle);
+      directions_(ring, 1) = std::sin(angle);
     }
-    for (int spoke = 0; spoke < spokes; ++spoke) {
-      const double angle = 2 * kPi * spoke / spokes;
-      const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
-      const Vector3d outward = side[0] * model.u + side[1] * model.v;
-      for (int ring = 1; ring <= rings; ++ring) {
-        const Eigen::Vector2d& at = polar_[static_cast<std::size_t>(ring - 1)];
-        grid_.emplace_back(side * (alpha * ring / rings));
-        directions_.push_back(at[0] * model.n + at[1] * outward);
-      }
+    for (Eigen::Index spoke = spokes - 1; spoke >= 0; --spoke) {
+      const double turn = 2 * kPi * static_cast<double>(spoke) / static_cast<double>(spokes);
+      auto rows = directions_.middleRows(1 + spoke * rings, rings);
+      const auto first = directions_.middleRows(1, rings);
+      rows.col(0) = first.col(0);
+      rows.col(2) = std::sin(turn) * first.col(1);
+      rows.col(1) = std::cos(turn) * first.col(1);
     }
   }
-  model.values(grid_, directions_, values_);
+  model.squares(directions_, squares_);
 }
 
 bool ConeSearch::is_peak(std::size_t i) const {
-  if (std::isnan(values_[i])) return false;
+  if (std::isnan(squares_[i])) return false;
   // Of equal neighbours the first.
   const auto is_above = [&](std::size_t other) {
-    return !(values_[other] > values_[i]) && !(values_[other] == values_[i] && other < i);
+    return !(squares_[other] > squares_[i]) && !(squares_[other] == squares_[i] && other < i);
   };
-  const std::size_t places = grid_.size();
+  const std::size_t places = count_;
   if (rings_ == 0) {  // a row, after its middle
     return i == 0 ? places == 1
                   : (i == 1 || is_above(i - 1)) && (i + 1 == places || is_above(i + 1));
@@ -267,10 +293,14 @@ const std::vector<ConePlace>& ConeSearch::maxima(const DirectionModel& model) {
   scan(model);
   const std::size_t most = scan_of(model).climbs;
   peaks_.clear();
-  for (std::size_t i = 0; i < grid_.size(); ++i) {
-    if (is_peak(i)) peaks_.push_back({grid_[i], values_[i]});
+  const auto take = [&](std::size_t i) {
+    const double value = std::copysign(std::sqrt(std::abs(squares_[i])), squares_[i]);
+    peaks_.push_back({place(i), value});
+  };
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (is_peak(i)) take(i);
   }
-  if (peaks_.empty()) peaks_.push_back({grid_[0], values_[0]});
+  if (peaks_.empty()) take(0);
   // Places apart from each other, so that equal maxima are all found.
   seeds_.clear();
   while (seeds_.size() < most) {
