@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
 #include <stillbase/core/linear_algebra.hpp>
 
 #include "formulation/projection.hpp"
@@ -42,20 +44,23 @@ bool is_shortest(const Formulation& formulation, const Eigen::VectorXd& x,
   return (in_shortest_turns(formulation, x, options.other_turn) - x).isZero(0);
 }
 
-bool is_inside(const Formulation& formulation, const Eigen::VectorXd& x,
-               const CurveOptions& options) {
-  if (!is_shortest(formulation, x, options)) return false;
-  if (((formulation.lower() - x).array() > options.inside).any()) return false;
-  if (((x - formulation.upper()).array() > options.inside).any()) return false;
+/// Distance to the nearest bound or inequality, each in its own unit, negative beyond it; minus
+/// infinity where other variables say the same, see is_shortest().
+double room_inside(const Formulation& formulation, const Eigen::VectorXd& x,
+                   const CurveOptions& options) {
+  if (!is_shortest(formulation, x, options)) return -kInfinity;
+  double room =
+      std::min((x - formulation.lower()).minCoeff(), (formulation.upper() - x).minCoeff());
+  if (room < -options.inside) return room;
   nlp::Evaluation at_x;
   formulation.evaluate_value(x, at_x);
   const Eigen::VectorXd lower = formulation.constraint_lower();
   const Eigen::VectorXd upper = formulation.constraint_upper();
-  const Eigen::VectorXd violation = nlp::signed_violation(at_x.constraints, lower, upper);
-  for (Eigen::Index i = 0; i < violation.size(); ++i) {
-    if (lower[i] != upper[i] && std::abs(violation[i]) > options.inside) return false;
+  for (Eigen::Index i = 0; i < lower.size(); ++i) {
+    if (lower[i] == upper[i]) continue;
+    room = std::min({room, at_x.constraints[i] - lower[i], upper[i] - at_x.constraints[i]});
   }
-  return true;
+  return room;
 }
 
 /// The one direction that the rows of J leave open, in the sense of `like`.
@@ -101,19 +106,35 @@ std::optional<double> step_to(const Formulation& formulation, const CurvePoint& 
   return h;
 }
 
-/// The last point before a limit that lies within one step.
+/// The last point before a limit that lies within one step: where the room ends, by false position
+/// (the Illinois rule; Dowell and Jarratt, BIT 11, 1971), by halving where it jumps.
+/// @param room at `from` and, beyond the limit, at the step h
 CurvePoint last_inside(const Formulation& formulation, const CurvePoint& from, double h,
-                       const CurveOptions& options) {
+                       std::pair<double, double> room, const CurveOptions& options) {
   CurvePoint last = from;
   double inside = 0, outside = h;
-  for (int halving = 0; halving < options.halvings; ++halving) {
-    const double middle = (inside + outside) / 2;
-    const auto trial = stepped(formulation, from, middle, options);
-    if (trial && is_inside(formulation, trial->x, options)) {
-      inside = middle;
+  auto [room_inside_it, room_outside] = room;
+  int same_side = 0;  // > 0: the last trials were all inside
+  for (int i = 0; i < options.halvings; ++i) {
+    const bool is_at_limit = i == 0 && room_inside_it <= options.inside;
+    const bool is_smooth = room_inside_it > 0 && std::isfinite(room_outside);
+    const double part = is_smooth ? room_inside_it / (room_inside_it - room_outside) : 0.5;
+    const double between = is_at_limit ? options.shortest_step : inside + part * (outside - inside);
+    const auto trial = stepped(formulation, from, between, options);
+    const double there = trial ? room_inside(formulation, trial->x, options) : -kInfinity;
+    if (there >= -options.inside) {
       last = *trial;
+      if (there <= options.inside) break;
+      inside = between;
+      room_inside_it = there;
+      same_side = std::max(same_side, 0) + 1;
+      if (same_side > 1) room_outside /= 2;
     } else {
-      outside = middle;
+      if (is_at_limit) break;
+      outside = between;
+      room_outside = there;
+      same_side = std::min(same_side, 0) - 1;
+      if (same_side < -1) room_inside_it /= 2;
     }
   }
   return last;
@@ -148,6 +169,7 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
   Walk out;
   CurvePoint at = start;
   double h = options.longest_step;
+  double room = room_inside(formulation, start.x, options);
   while (static_cast<int>(out.points.size()) < options.most_points && !stop.reached()) {
     const auto next = stepped(formulation, at, h, options);
     if (!next) {
@@ -162,8 +184,9 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
         return out;
       }
     }
-    if (!is_inside(formulation, next->x, options)) {
-      const CurvePoint last = last_inside(formulation, at, h, options);
+    const double room_there = room_inside(formulation, next->x, options);
+    if (!(room_there >= -options.inside)) {
+      const CurvePoint last = last_inside(formulation, at, h, {room, room_there}, options);
       if (last.arc > at.arc) out.points.push_back(last);
       const auto beyond = stepped(formulation, last, options.shortest_step, options);
       out.is_complete = is_shortest(formulation, beyond ? beyond->x : next->x, options);
@@ -171,6 +194,7 @@ Walk walk(const Formulation& formulation, const CurvePoint& start, const StopCon
     }
     out.points.push_back(*next);
     at = *next;
+    room = room_there;
     h = std::min(1.5 * h, options.longest_step);
   }
   return out;
