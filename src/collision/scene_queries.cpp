@@ -264,16 +264,36 @@ SweepResult sweep_pairs(const CollisionScene::Data& data, Instant& instant,
   return result;
 }
 
+/// See CollisionScene::first_hit().
+/// @param with_target_alone only pairs that it is part of
+std::optional<Proximity> first_pair(const CollisionScene::Data& data, Instant& instant,
+                                    bool with_target_alone, double margin) {
+  for (const ScenePair& pair : data.pairs) {
+    if (with_target_alone && !pair.is_target) continue;
+    if (!instant.is_present(pair) || instant.may_touch(pair)) continue;
+    const double distance = instant.distance(pair, std::max(margin, 0.0));
+    if (distance <= 0 || distance < margin) return proximity(data, pair, distance);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Proximity> CollisionScene::first_hit(const Kinematics<double>& kinematics,
                                                    const Pose& base, const Pose* target,
                                                    double margin) const {
   Instant instant(*data_, kinematics, base, target);
-  for (const ScenePair& pair : data_->pairs) {
-    if (!instant.is_present(pair) || instant.may_touch(pair)) continue;
-    const double distance = instant.distance(pair, std::max(margin, 0.0));
-    if (distance <= 0 || distance < margin) return proximity(*data_, pair, distance);
+  return first_pair(*data_, instant, false, margin);
+}
+
+std::optional<Proximity> CollisionScene::first_hit_of_each(const Kinematics<double>& kinematics,
+                                                           const Pose& base, int count,
+                                                           const std::function<Pose(int)>& target,
+                                                           double margin) const {
+  Instant instant(*data_, kinematics, base, nullptr);
+  for (int i = 0; i < count; ++i) {
+    instant.put_target(target(i));
+    if (auto hit = first_pair(*data_, instant, i > 0, margin)) return hit;
   }
   return std::nullopt;
 }

@@ -32,13 +32,12 @@ std::string CollisionJudge::first_collision(const Configuration& configuration) 
   const double speed =
       std::max(1e-3, motion->state(configuration.contact_time).linear_velocity.norm());
   const int steps = static_cast<int>(std::clamp(std::ceil(wait * speed / 0.01), 1.0, 2000.0));
-  for (int i = 0; i <= steps; ++i) {
-    const double time = configuration.contact_time - wait * i / steps;
-    const Pose pose = motion->state(time).pose;
-    const auto hit = scene_.first_hit(kinematics, configuration.base, &pose, margin);
-    if (hit) return to_string(*hit);
-  }
-  return "";
+  const auto pose = [&](int i) {
+    return motion->state(configuration.contact_time - wait * i / steps).pose;
+  };
+  const auto hit =
+      scene_.first_hit_of_each(kinematics, configuration.base, steps + 1, pose, margin);
+  return hit ? to_string(*hit) : "";
 }
 
 void CollisionJudge::judge(Candidate& candidate) const {

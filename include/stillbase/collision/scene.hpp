@@ -18,6 +18,7 @@
 // have a distance <= 0 whose size means nothing.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -121,6 +122,13 @@ class CollisionScene {
   /// @throws std::invalid_argument for poses that are not finite
   std::optional<Proximity> first_hit(const Kinematics<double>& kinematics, const Pose& base,
                                      const Pose* target, double margin = 0) const;
+
+  /// first_hit() with the target at the first of several poses where there is one.
+  /// @param count of poses
+  /// @param target T_NT at the i-th; not asked for behind a hit
+  std::optional<Proximity> first_hit_of_each(const Kinematics<double>& kinematics, const Pose& base,
+                                             int count, const std::function<Pose(int)>& target,
+                                             double margin = 0) const;
 
   /// The closest pair among those that may not touch. Empty when there is no such pair.
   /// @param with_hand_and_target false: leave out the hand's body against the target, which touch
