@@ -9,6 +9,7 @@
 
 #include <stillbase/core/random.hpp>
 #include <stillbase/robot/robot_model.hpp>
+#include <stillbase/simulation/plant.hpp>
 
 namespace stillbase {
 
@@ -60,12 +61,21 @@ inline Vector6d wrench() {
 
 inline JointVectord joint_rates() { return JointVectord::LinSpaced(robot().n(), -0.5, 0.5); }
 
+/// The arm in motion, the base at the origin and parallel to N: where steps and runs begin.
+PlantState moving_arm();
+
+inline constexpr double kStep = 0.001;  ///< s
+
 /// Another library's answers for the robot, against which the benchmark holds ours before it
 /// compares times. Base at the origin, parallel to N; its twist is [v; omega].
 struct PeerAnswers {
   Eigen::MatrixXd H;             ///< (6+n) x (6+n)
   Eigen::VectorXd jump;          ///< 6+n, of wrench() at the hand
   Eigen::VectorXd acceleration;  ///< 6+n, at joint_rates(), base at rest, no torques
+  /// Joint positions and rates and the base's angular velocity, one below the other, after a step
+  /// of Runge and Kutta's classical method over kStep from moving_arm(), no torques; empty: not
+  /// asked for.
+  Eigen::VectorXd step = {};
 };
 
 /// Throws std::runtime_error when the peer's answers differ from ours.

@@ -245,6 +245,8 @@ class Reporter : public benchmark::ConsoleReporter {
     for (const char* what : {"mass_matrix_and_hand_jacobian", "jump", "forward_dynamics"}) {
       for (const char* peer : {"/mujoco", "/dart"}) row(what, std::string(what) + peer);
     }
+    row("rk4_step_without_control", "rk4_step_without_control/mujoco");
+    row("rk4_step_under_control/sampled_rns_damped", "rk4_step_without_control/mujoco");
     for (const char* what : {"base_angular_velocity", "base_angular_momentum"}) {
       row(std::string("jump_with_gradient_in_packs/") + what,
           std::string("jump_with_gradient/") + what);

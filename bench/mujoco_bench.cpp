@@ -1,5 +1,6 @@
 // The same robot in MuJoCo. Its functions are called one by one, so that nothing is timed that the
 // result does not need (contacts, sensors, actuators).
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <sstream>
@@ -98,6 +99,10 @@ class MuJoCo {
 
   const Eigen::VectorXd& acceleration(const JointVectord& phidot) {
     Eigen::Map<Eigen::VectorXd>(data_->qvel + 6, phidot.size()) = phidot;
+    return acceleration();
+  }
+
+  const Eigen::VectorXd& acceleration() {
     mass_matrix();
     mj_factorM(model_, data_);
     mj_comVel(model_, data_);
@@ -107,6 +112,48 @@ class MuJoCo {
     return solution_;
   }
 
+  void set_state(const PlantState& state) {
+    set_posture(state.phi);
+    const Vector3d& p = state.base.position;
+    const Eigen::Quaterniond& q = state.base.orientation;
+    const double base[7] = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
+    std::copy(base, base + 7, data_->qpos);
+    // The free joint has its velocity in the world, the angular one in the base.
+    Eigen::Map<Vector3d>(data_->qvel) = q * state.Omega.head<3>();
+    Eigen::Map<Vector3d>(data_->qvel + 3) = state.Omega.tail<3>();
+    Eigen::Map<Eigen::VectorXd>(data_->qvel + 6, state.phidot.size()) = state.phidot;
+  }
+
+  /// A step of Runge and Kutta's classical method; positions are integrated as mj_RungeKutta does.
+  void rk4_step(double h) {
+    const Eigen::VectorXd q = positions(), v = velocities();
+    constexpr double kParts[4] = {0, 0.5, 0.5, 1};
+    constexpr double kWeights[4] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
+    rate_sum_.setZero(nv_);
+    acceleration_sum_.setZero(nv_);
+    for (int stage = 0; stage < 4; ++stage) {
+      if (stage > 0) {
+        const double part = kParts[stage] * h;
+        positions() = q;
+        rate_ = velocities();
+        mj_integratePos(model_, data_->qpos, rate_.data(), part);
+        velocities() = v + part * solution_;
+      }
+      rate_sum_ += kWeights[stage] * velocities();
+      acceleration_sum_ += kWeights[stage] * acceleration();
+    }
+    positions() = q;
+    mj_integratePos(model_, data_->qpos, rate_sum_.data(), h);
+    velocities() = v + h * acceleration_sum_;
+  }
+
+  /// Joint positions and rates and the base's angular velocity.
+  Eigen::VectorXd state() {
+    Eigen::VectorXd out(2 * (nv_ - 6) + 3);
+    out << positions().tail(nv_ - 6), velocities().tail(nv_ - 6), velocities().segment<3>(3);
+    return out;
+  }
+
   Eigen::MatrixXd full_mass_matrix() {
     Eigen::MatrixXd H(nv_, nv_);
     mj_fullM(model_, H.data(), data_->qM);
@@ -114,11 +161,14 @@ class MuJoCo {
   }
 
  private:
+  Eigen::Map<Eigen::VectorXd> positions() { return {data_->qpos, model_->nq}; }
+  Eigen::Map<Eigen::VectorXd> velocities() { return {data_->qvel, nv_}; }
+
   mjModel* model_ = nullptr;  // lives as long as the program
   mjData* data_ = nullptr;
   int nv_ = 0;
   Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> jacobian_;
-  Eigen::VectorXd force_, solution_;
+  Eigen::VectorXd force_, solution_, rate_, rate_sum_, acceleration_sum_;
 };
 
 MuJoCo& mujoco() {
@@ -156,6 +206,16 @@ void forward_dynamics(benchmark::State& state) {
   });
 }
 
+void rk4_step_without_control(benchmark::State& state) {
+  int steps = 0;
+  const PlantState start = moving_arm();
+  measure(state, [&] {
+    if (steps++ % 1000 == 0) mujoco().set_state(start);
+    mujoco().rk4_step(kStep);
+    benchmark::ClobberMemory();
+  });
+}
+
 }  // namespace
 
 /// Registers MuJoCo's rows; throws when it disagrees.
@@ -166,11 +226,16 @@ void register_mujoco() {
   answers.jump = mujoco().jump(wrench());
   answers.H = mujoco().full_mass_matrix();
   answers.acceleration = mujoco().acceleration(joint_rates());
+  mujoco().set_state(moving_arm());
+  mujoco().rk4_step(kStep);
+  answers.step = mujoco().state();
+  mujoco().set_state(state_at_rest({}, phi));
   require_agreement("MuJoCo", phi, answers);
   benchmark::RegisterBenchmark("mass_matrix_and_hand_jacobian/mujoco",
                                mass_matrix_and_hand_jacobian);
   benchmark::RegisterBenchmark("jump/mujoco", jump);
   benchmark::RegisterBenchmark("forward_dynamics/mujoco", forward_dynamics);
+  benchmark::RegisterBenchmark("rk4_step_without_control/mujoco", rk4_step_without_control);
 }
 
 }  // namespace stillbase

@@ -5,6 +5,7 @@
 #include <stillbase/dynamics/bias.hpp>
 
 #include "bench_support.hpp"
+#include "simulation/integrators.hpp"
 
 namespace stillbase {
 
@@ -37,6 +38,17 @@ void require_agreement(const std::string& peer, const JointVectord& phi,
   require_near(peer + ": mass matrix", answers.H, H);
   require_near(peer + ": jump", answers.jump, H.llt().solve(impulse));
   require_near(peer + ": acceleration", answers.acceleration, H.llt().solve(-c));
+  if (answers.step.size() == 0) return;
+  const SimulationOptions options;
+  const Controller controller;
+  const JointVectord no_rotors = JointVectord::Zero(n);
+  ClosedLoop loop(robot(), no_rotors, controller, options);
+  StateVector x = pack(moving_arm());
+  rk4_step(loop, 0, kStep, x, nullptr);
+  const PlantState state = unpack(x, n);
+  Eigen::VectorXd step(2 * n + 3);
+  step << state.phi, state.phidot, state.Omega.tail<3>();
+  require_near(peer + ": step", answers.step, step);
 }
 
 }  // namespace stillbase

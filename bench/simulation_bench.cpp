@@ -6,7 +6,6 @@
 #include "simulation/integrators.hpp"
 
 namespace stillbase {
-namespace {
 
 PlantState moving_arm() {
   Random random(5);
@@ -16,6 +15,8 @@ PlantState moving_arm() {
   state.Omega << 0.01, -0.02, 0.01, 0.01, 0.02, -0.01;
   return state;
 }
+
+namespace {
 
 const JointVectord& rotors() {
   static const JointVectord inertia = JointVectord::Constant(robot().n(), 0.5);
@@ -27,6 +28,23 @@ Controller rns_damped() {
   controller.kind = ControllerKind::RnsDamped;
   return controller;
 }
+
+/// One classical Runge-Kutta step, joints without torque.
+void rk4_step_without_control(benchmark::State& state) {
+  const SimulationOptions options;
+  const Controller controller;
+  const JointVectord no_rotors = JointVectord::Zero(robot().n());
+  ClosedLoop loop(robot(), no_rotors, controller, options);
+  const StateVector start = pack(moving_arm());
+  StateVector x = start;
+  int steps = 0;
+  measure(state, [&] {
+    if (++steps % 1000 == 0) x = start;
+    rk4_step(loop, 0, kStep, x, nullptr);
+    benchmark::DoNotOptimize(x);
+  });
+}
+BENCHMARK(rk4_step_without_control);
 
 /// The controller and one classical Runge-Kutta step; sampled control with hold, or evaluated at
 /// each of the four stages.
@@ -41,7 +59,7 @@ void rk4_step_under_control(benchmark::State& state, double period) {
   measure(state, [&] {
     if (++steps % 1000 == 0) x = start;
     loop.sample(0, x);
-    rk4_step(loop, 0, 0.001, x, nullptr);
+    rk4_step(loop, 0, kStep, x, nullptr);
     benchmark::DoNotOptimize(x);
   });
 }
