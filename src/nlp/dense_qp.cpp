@@ -156,20 +156,24 @@ bool DenseQp::factorise() {
   return true;
 }
 
-void DenseQp::find_step(int row) {
+void DenseQp::project(int row, int from) {
   const int variable = bounded_[static_cast<std::size_t>(row)];
   const double* n = normals_.col(row).data();
-  for (int j = 0; j < n_; ++j) {
+  for (int j = from; j < n_; ++j) {
     projected_[j] =
         variable >= 0 ? n[variable] * J_(variable, j) : dot(J_.col(j).data(), n, padded_);
   }
   combine(J_, projected_.data(), size_, n_, step_.data(), padded_);
   curvature_ = projected_.segment(size_, n_ - size_).squaredNorm();
+}
+
+void DenseQp::find_step(int row) {
+  project(row, kept_);
   // R dual_step = the first part of J' n, by columns.
-  dual_step_.head(size_) = projected_.head(size_);
-  for (int j = size_ - 1; j >= 0; --j) {
+  dual_step_.segment(kept_, size_ - kept_) = projected_.segment(kept_, size_ - kept_);
+  for (int j = size_ - 1; j >= kept_; --j) {
     dual_step_[j] /= R_(j, j);
-    for (int i = 0; i < j; ++i) dual_step_[i] -= R_(i, j) * dual_step_[j];
+    for (int i = kept_; i < j; ++i) dual_step_[i] -= R_(i, j) * dual_step_[j];
   }
 }
 
@@ -193,7 +197,7 @@ bool DenseQp::add_to_active(int row) {
   }
   if (std::abs(pivot) <= kEpsilon * largest_pivot_) return false;
   largest_pivot_ = std::max(largest_pivot_, std::abs(pivot));
-  R_.col(size_).head(size_) = projected_.head(size_);
+  R_.col(size_).segment(kept_, size_ - kept_) = projected_.segment(kept_, size_ - kept_);
   R_(size_, size_) = pivot;
   active_[static_cast<std::size_t>(size_)] = row;
   is_active_[static_cast<std::size_t>(row)] = 1;
@@ -223,19 +227,36 @@ void DenseQp::drop_from_active(int place) {
 
 bool DenseQp::take_equations() {
   constexpr double kSame = 1e-9;  // a row that depends on those before
+  kept_ = 0;
   for (int row = 0; row < equations_; ++row) {
-    find_step(row);
+    project(row, 0);
     if (curvature_ <= kEpsilon * squared_normal(row)) {
       if (std::abs(slack(row)) > kSame) return false;
       continue;
     }
-    const double length = -slack(row) / curvature_;
-    add(length, step_.data(), d_.data(), padded_);
-    for (int i = 0; i < size_; ++i) u_[i] -= length * dual_step_[i];
-    u_[size_] = length;
+    add(-slack(row) / curvature_, step_.data(), d_.data(), padded_);
     if (!add_to_active(row)) return false;
   }
+  kept_ = size_;
   return true;
+}
+
+void DenseQp::set_multipliers() {
+  multipliers_.head(rows_).setZero();
+  // Of the equations: R u = J' (H d + g - sum u_i n_i) of the others, in their rows.
+  work_.head(padded_) = g_.head(padded_);
+  work_.head(n_).noalias() += hessian().lazyProduct(d_.head(n_));
+  for (int i = kept_; i < size_; ++i) {
+    const int row = active_[static_cast<std::size_t>(i)];
+    multipliers_[row] = u_[i];
+    add(-u_[i], normals_.col(row).data(), work_.data(), padded_);
+  }
+  for (int j = kept_ - 1; j >= 0; --j) {
+    double sum = dot(J_.col(j).data(), work_.data(), padded_);
+    for (int i = j + 1; i < kept_; ++i) sum -= R_(j, i) * u_[i];
+    u_[j] = sum / R_(j, j);
+    multipliers_[active_[static_cast<std::size_t>(j)]] = u_[j];
+  }
 }
 
 int DenseQp::most_violated() const {
@@ -267,7 +288,6 @@ DenseQp::Outcome DenseQp::solve() {
   for (int j = 0; j < n_; ++j) projected_[j] = -dot(J_.col(j).data(), g_.data(), padded_);
   combine(J_, projected_.data(), 0, n_, d_.data(), padded_);
   if (!take_equations()) return Outcome::Inconsistent;
-  const int kept = size_;
 
   // Each pass raises the dual objective, so no active set repeats; the bound is for rounding.
   const int most = 10 * (n_ + rows_) + 50;
@@ -276,8 +296,7 @@ DenseQp::Outcome DenseQp::solve() {
     if (entering < 0) {
       entering = most_violated();
       if (entering < 0) {
-        multipliers_.head(rows_).setZero();
-        for (int i = 0; i < size_; ++i) multipliers_[active_[static_cast<std::size_t>(i)]] = u_[i];
+        set_multipliers();
         return Outcome::Solved;
       }
       u_[size_] = 0;
@@ -285,7 +304,7 @@ DenseQp::Outcome DenseQp::solve() {
     find_step(entering);
     double dual_limit = kInfinity;
     int leaving = -1;
-    for (int i = kept; i < size_; ++i) {
+    for (int i = kept_; i < size_; ++i) {
       if (dual_step_[i] > 0 && u_[i] / dual_step_[i] < dual_limit) {
         dual_limit = u_[i] / dual_step_[i];
         leaving = i;
@@ -296,7 +315,7 @@ DenseQp::Outcome DenseQp::solve() {
     const double length = std::min(dual_limit, primal_limit);
     if (!(length < kInfinity)) return Outcome::Inconsistent;
     if (can_move) add(length, step_.data(), d_.data(), padded_);
-    for (int i = 0; i < size_; ++i) u_[i] -= length * dual_step_[i];
+    for (int i = kept_; i < size_; ++i) u_[i] -= length * dual_step_[i];
     u_[size_] += length;
     if (length == primal_limit) {
       if (!add_to_active(entering)) return Outcome::Inconsistent;

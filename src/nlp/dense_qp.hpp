@@ -51,24 +51,30 @@ class DenseQp {
   double slack(int row) const;
   double squared_normal(int row) const;
   bool factorise();
+  /// J' n of a row, from that place on, and the step that leaves the active rows as they are.
+  void project(int row, int from);
+  /// The same but for the equations' part, and the change of the multipliers of the others.
   void find_step(int row);
   bool add_to_active(int row);
   void drop_from_active(int place);
   bool take_equations();
+  void set_multipliers();
   int most_violated() const;
 
   int n_ = 0, padded_ = 0, rows_ = 0, equations_ = 0;
   Eigen::MatrixXd H_, normals_;  // one normal per column
   std::vector<int> bounded_;     // per row: the variable of a bound, else -1
   Eigen::VectorXd g_, b_, d_, multipliers_;
-  // The active set: J' N = [R; 0], J J' = H^-1.
+  // The active set: J' N = [R; 0], J J' = H^-1. The equations are its first rows, and what
+  // inequalities have in their part is left out: it matters to their multipliers alone, which
+  // follow in the end.
   Eigen::MatrixXd J_, R_;
   Eigen::VectorXd projected_;  // J' n of the row that find_step() was asked for
   Eigen::VectorXd step_, dual_step_, u_, work_;
   double curvature_ = 0;  // step' n
   std::vector<int> active_;
   std::vector<char> is_active_;
-  int size_ = 0;
+  int size_ = 0, kept_ = 0;  ///< active rows, and how many of them are equations
   double largest_pivot_ = 1;
 };
 

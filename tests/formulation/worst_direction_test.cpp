@@ -6,9 +6,68 @@
 #include <stillbase/formulation/measures/robust.hpp>
 
 #include "formulation/measures/direction_model.hpp"
+#include "impact/batch_kernels.hpp"
 #include "support/capture_problems.hpp"
 
 namespace stillbase {
+
+namespace {
+
+/// In the basis (n, u, v) of a cone.
+Eigen::RowVector3d coordinates_of(const DirectionModel& model, const Vector3d& d) {
+  return {d.dot(model.n), d.dot(model.u), d.dot(model.v)};
+}
+
+}  // namespace
+
+TEST_CASE("many directions have the values that each has alone, in all registers") {
+  Random random(39);
+  for (int trial = 0; trial < 8; ++trial) {
+    CaptureProblem problem =
+        trial % 2 == 0 ? point_mass_problem(random_robot(random, 6, false), random.unit_vector())
+                       : tumbling_problem(random, random_robot(random, 7, false));
+    if (trial % 4 == 2) problem.impulse.source = ImpulseSource::Given;
+    problem.impulse.magnitude = 0.7;
+    problem.uncertainty.cone_half_angle = 2;
+    const Formulation formulation(problem);
+    const DirectionModel model(problem, formulation,
+                               formulation.configuration(formulation.start_point(
+                                   low_discrepancy_point(trial, formulation.num_variables(), 9))));
+    constexpr Eigen::Index kCount = 3 * DirectionSquares::kMostLanes;
+    Eigen::MatrixX3d in_cone(kCount, 3), in_base(kCount, 3);
+    std::vector<double> alone;
+    for (Eigen::Index i = 0; i < kCount; ++i) {
+      const Eigen::Vector2d c(random.uniform(-1.4, 1.4), random.uniform(-1.4, 1.4));
+      const Vector3d d = model.direction(c);
+      in_cone.row(i) = coordinates_of(model, d);
+      in_base.row(i) = d.transpose();
+      alone.push_back(model.value(c) * model.value(c));
+    }
+    std::vector<double> squares;
+    model.squares(in_cone, squares);
+    const bool is_given = model.model.magnitude_is_given();
+    const bool is_followed = !is_given && model.model.follows_target();
+    const double speed = std::max(model.encounter.closing_speed, 0.0);
+    const double yield = (1 + problem.impulse.restitution) * (is_followed ? 1 : speed);
+    for (const BatchKernel* kernel : batch_kernels()) {
+      std::vector<double> other(squares.size());
+      kernel->direction_squares(
+          {.count = kCount,
+           .d = {in_base.col(0).data(), in_base.col(1).data(), in_base.col(2).data()},
+           .rows = model.Y.rows(),
+           .Y = model.Y.data(),
+           .p = is_given ? problem.impulse.magnitude : yield,
+           .speed_of_d = is_followed ? model.velocity.data() : nullptr,
+           .W = is_given ? nullptr : model.W.data(),
+           .squares = other.data()});
+      INFO("trial " << trial << ", " << kernel->lanes << " lanes");
+      for (std::size_t i = 0; i < alone.size(); ++i) {
+        CHECK(squares[i] == Approx(alone[i]).epsilon(1e-12).margin(1e-300));
+        CHECK(other[i] == Approx(alone[i]).epsilon(1e-12).margin(1e-300));
+      }
+    }
+  }
+}
 
 TEST_CASE("every maximum over a cone or a wedge is one, seen from all sides") {
   Random random(36);
@@ -81,9 +140,12 @@ TEST_CASE("the derivatives of ln |y|^2 over the direction are those of its diffe
     constexpr double kStep = 1e-5;
     for (int i = 0; i < 3; ++i) {
       const Vector3d h = kStep * Vector3d::Unit(i);
-      std::vector<double> values;
-      model.values({{0, 0}, {0, 0}}, {model.n + h, model.n - h}, values);
-      CHECK((2 * std::log(values[0] / values[1])) / (2 * kStep) ==
+      Eigen::MatrixX3d directions = Eigen::MatrixX3d::Ones(DirectionSquares::kMostLanes, 3);
+      directions.row(0) = coordinates_of(model, model.n + h);
+      directions.row(1) = coordinates_of(model, model.n - h);
+      std::vector<double> squares;
+      model.squares(directions, squares);
+      CHECK(std::log(squares[0] / squares[1]) / (2 * kStep) ==
             Approx(g[i]).epsilon(1e-7).margin(1e-7));
       REQUIRE(model.log_derivatives(model.n + h, g_up, unused));
       REQUIRE(model.log_derivatives(model.n - h, g_down, unused));
