@@ -264,6 +264,7 @@ ApproachToAny attempt_all(std::vector<AttemptGoal>& goals, int limit, std::size_
     failure.detail += fmt::format(" (after {} attempts)", attempts);
   }
   out.approach = failed(failure.status, failure.detail, failure.shortfall);
+  if (asked == 0) out.approach.base_hits = goals.front().base_hits;
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <list>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -229,6 +230,7 @@ class Stage {
     count_calls(*contact);
     tried_alone_.insert(i);
     if (!arrives(approach)) excluded_[i] = no_path_words(approach);
+    if (approach.base_hits >= path_options_.base_hits) has_base_in_the_way_.insert(i);
     if (contact_out != nullptr) *contact_out = std::move(contact);
     return approach;
   }
@@ -236,43 +238,64 @@ class Stage {
   /// Tries each candidate, at most `max_approaches`, and other forms of the good ones before the
   /// other candidates. Where one fails its neighbours mostly fail too, so that they come last.
   void one_by_one() {
-    order_.judge_all();
-    const std::vector<std::size_t> order = order_.all();
-    std::vector<std::size_t> sequence, neighbours;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const bool is_new = std::none_of(sequence.begin(), sequence.end(), [&](std::size_t other) {
-        return are_neighbours(order[i], order[other]);
+    if (path_decides(problem_)) order_.judge_all();
+    std::vector<std::size_t> tried;       // candidates
+    std::vector<std::size_t> neighbours;  // their places in the order
+    for (std::size_t place = 0; !is_over(tried.size()); ++place) {
+      const std::optional<std::size_t> candidate = order_.at(place);
+      if (!candidate) break;
+      const bool is_new = std::none_of(tried.begin(), tried.end(), [&](std::size_t other) {
+        return are_neighbours(*candidate, other);
       });
-      (is_new ? sequence : neighbours).push_back(i);
-    }
-    sequence.insert(sequence.end(), neighbours.begin(), neighbours.end());
-    if (static_cast<int>(sequence.size()) > problem_.approach.max_approaches) {
-      sequence.resize(static_cast<std::size_t>(problem_.approach.max_approaches));
-    }
-    int done = 0;
-    bool are_forms_tried = false;
-    for (const std::size_t i : sequence) {
-      if (tried_ && options_.stop.reached()) return;
-      if (!are_forms_tried && !is_goal(i)) {
-        are_forms_tried = true;
-        if (to_other_forms()) return;
+      if (!is_new) {
+        neighbours.push_back(place);
+        continue;
       }
-      progress(done++);
-      std::unique_ptr<ContactRefinement> contact;
-      const Approach approach = approach_to(order[i], seed_ + i, &contact);
-      if (take(approach, order[i], contact.get())) return;
+      if (try_at(place, tried)) return;
     }
-    if (!are_forms_tried) to_other_forms();
+    for (const std::size_t place : neighbours) {
+      if (is_over(tried.size())) break;
+      if (try_at(place, tried)) return;
+    }
+    if (!is_stopped() && to_other_forms_once()) return;
+    if (!is_stopped()) to_other_forms(true);
+  }
+
+  /// Of those candidates for which another form may help: where the target touches the base, a path
+  /// to another roll or turn moves the base alike, so that these come last of all.
+  bool to_other_forms_once() {
+    return !std::exchange(are_forms_tried_, true) && to_other_forms(false);
+  }
+
+  bool is_stopped() const { return tried_ && options_.stop.reached(); }
+  bool is_over(std::size_t tried) const {
+    return is_stopped() || tried == static_cast<std::size_t>(problem_.approach.max_approaches);
+  }
+
+  /// Tries the candidate at a place of the order. @return as take()
+  bool try_at(std::size_t place, std::vector<std::size_t>& tried) {
+    if (!is_goal(place) && to_other_forms_once()) return true;
+    if (is_stopped()) return false;
+    const std::size_t candidate = *order_.at(place);
+    progress(static_cast<int>(tried.size()));
+    tried.push_back(candidate);
+    std::unique_ptr<ContactRefinement> contact;
+    const Approach approach = approach_to(candidate, seed_ + place, &contact);
+    return take(approach, candidate, contact.get());
   }
 
   /// Goes for other forms of the good candidates: for all at once, where one path can, then for at
   /// most `max_approaches` one by one.
+  /// @param of_base_hits of the candidates on whose paths the target touches the base, else of the
+  ///   others
   /// @return as take()
-  bool to_other_forms() {
+  bool to_other_forms(bool of_base_hits) {
     std::list<std::list<Goal>> forms;
     for (std::size_t k = 0; k < order_.holding().size() && !options_.stop.reached(); ++k) {
       if (static_cast<int>(forms.size()) == problem_.approach.max_approaches) break;
-      if (is_goal(k)) forms.push_back(other_forms(order_.holding()[k]));
+      const std::size_t candidate = order_.holding()[k];
+      const bool has_base_hits = has_base_in_the_way_.count(candidate) > 0;
+      if (is_goal(k) && has_base_hits == of_base_hits) forms.push_back(other_forms(candidate));
     }
     // The first form of each candidate, then the second one of each.
     std::list<Goal> goals;
@@ -421,8 +444,8 @@ class Stage {
     const std::vector<std::size_t>& holding = order_.holding();
     if (place >= holding.size()) return false;
     return path_decides(problem_) ||
-           is_good(problem_, found_.candidates[holding[place]],
-                   found_.candidates[holding.front()], problem_.approach.goal_factor);
+           is_good(problem_, found_.candidates[holding[place]], found_.candidates[holding.front()],
+                   problem_.approach.goal_factor);
   }
 
   std::list<Goal> good_candidates() {
@@ -488,8 +511,10 @@ class Stage {
   CandidateOrder order_;
   ChosenApproach chosen_;
   std::map<std::size_t, std::string> excluded_;
-  std::set<std::size_t> tried_alone_;  ///< candidates
+  std::set<std::size_t> tried_alone_;          ///< candidates
+  std::set<std::size_t> has_base_in_the_way_;  ///< candidates, see Approach::base_hits
   bool tried_ = false;
+  bool are_forms_tried_ = false;
   bool has_fallback_ = false;  ///< an approach to a configuration that breaks a limit afterwards
 };
 

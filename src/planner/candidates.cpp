@@ -132,8 +132,13 @@ void AfterImpactJudge::judge_from(std::size_t place, const std::vector<Candidate
 CandidateOrder::CandidateOrder(const CaptureProblem& problem,
                                const std::vector<Candidate>& candidates, AfterImpactJudge& after)
     : problem_(problem), candidates_(candidates), after_(after) {
-  while (judged_ < candidates.size() && holding_.empty()) {
-    after.judge_from(judged_, candidates);
+  judge_on();
+}
+
+void CandidateOrder::judge_on() {
+  const std::size_t before = holding_.size();
+  while (judged_ < candidates_.size() && holding_.size() == before) {
+    after_.judge_from(judged_, candidates_);
     take_next();
   }
 }
@@ -173,12 +178,13 @@ std::size_t CandidateOrder::first() const {
   return others_.empty() ? 0 : others_.front();
 }
 
-std::vector<std::size_t> CandidateOrder::all() const {
-  std::vector<std::size_t> out = holding_;
-  out.insert(out.end(), others_.begin(), others_.end());
-  if (base_follows_path(problem_)) out.insert(out.end(), colliding_.begin(), colliding_.end());
-  if (out.empty()) out.push_back(first());
-  return out;
+std::optional<std::size_t> CandidateOrder::at(std::size_t place) {
+  while (holding_.size() <= place && judged_ < candidates_.size()) judge_on();
+  std::vector<std::size_t> all = holding_;
+  all.insert(all.end(), others_.begin(), others_.end());
+  if (base_follows_path(problem_)) all.insert(all.end(), colliding_.begin(), colliding_.end());
+  if (all.empty()) all.push_back(first());
+  return place < all.size() ? std::optional(all[place]) : std::nullopt;
 }
 
 CertifiedCandidate certify_candidate(const CaptureProblem& problem, const Formulation& formulation,

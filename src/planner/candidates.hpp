@@ -98,8 +98,8 @@ class AfterImpactJudge {
   std::vector<std::pair<Configuration, std::string>> known_;
 };
 
-/// Order in which approaches are tried. Candidates are judged when they are asked about: simulations
-/// of worse ones than the plan needs would be a third of a short plan.
+/// Order in which approaches are tried. Candidates are judged when they are asked about:
+/// simulations of worse ones than the plan needs would be a third of a short plan.
 class CandidateOrder {
  public:
   /// Judges up to the first candidate that holds. All arguments outlive this.
@@ -115,15 +115,17 @@ class CandidateOrder {
   const std::vector<std::size_t>& holding() const { return holding_; }
   /// The best that holds; where none does, the best that touches nothing, else the best.
   std::size_t first() const;
-  /// Once all are judged: those that hold, then the other ones free of collision. Where the base's
-  /// pose follows from the path, collisions at the stated pose say little, and all others follow.
-  /// Never empty: first() is always there.
-  std::vector<std::size_t> all() const;
+  /// The candidate at a place: those that hold, then the other ones free of collision. Where the
+  /// base's pose follows from the path, collisions at the stated pose say little, and all others
+  /// follow. Judges as far as it takes. Nothing: there are no more; first() is always there.
+  std::optional<std::size_t> at(std::size_t place);
   /// Why one judged so far does not hold: what it collides with, or the limit that it exceeds.
   const std::map<std::size_t, std::string>& excluded() const { return excluded_; }
 
  private:
   void judge_up_to(std::size_t end);
+  /// Judges up to the next one that holds, or to the end.
+  void judge_on();
   void take_next();
 
   const CaptureProblem& problem_;

@@ -368,3 +368,48 @@ TEST_CASE("the points of the nearest pair are in the base frame, wherever the ba
   const Pose inside{base.position + Vector3d(1, 0, 0), base.orientation};
   CHECK_FALSE(scene.nearest_points(kinematics, inside, nullptr));
 }
+
+TEST_CASE("the first of many poses of the target at which it is hit is that of single queries") {
+  const RobotModel robot = planar_robot(3, 1.2);
+  SceneParts parts;
+  parts.target = TargetBody{};
+  parts.target->shapes.push_back({Pose{}, Sphere{0.3}});
+  const CollisionScene scene(robot, parts);
+  Random random(41);
+  int hits = 0, clear = 0, later = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    JointVectord phi(3);
+    for (double& angle : phi) angle = random.uniform(-2.5, 2.5);
+    const auto kinematics = compute_kinematics<double>(robot, phi);
+    const Vector3d from = 4 * random.unit_vector(), step = 0.4 * random.unit_vector();
+    const auto pose = [&](int i) { return Pose{from + i * step, Eigen::Quaterniond::Identity()}; };
+    constexpr int kPoses = 12;
+    const double margin = trial % 2 == 0 ? 0 : 0.1;
+    int asked = 0;
+    const auto found = scene.first_hit_of_each(
+        kinematics, Pose{}, kPoses,
+        [&](int i) {
+          ++asked;
+          return pose(i);
+        },
+        margin);
+    std::string wanted;
+    int at = 0;
+    for (; at < kPoses && wanted.empty(); ++at) {
+      const Pose target = pose(at);
+      const auto hit = scene.first_hit(kinematics, Pose{}, &target, margin);
+      if (hit) wanted = to_string(*hit);
+    }
+    CHECK((found ? to_string(*found) : "") == wanted);
+    CHECK(asked == at);
+    if (wanted.empty()) {
+      ++clear;
+    } else {
+      ++hits;
+      if (at > 1) ++later;
+    }
+  }
+  CHECK(hits > 20);
+  CHECK(later > 5);
+  CHECK(clear > 20);
+}

@@ -197,6 +197,7 @@ struct Approach {
   double min_clearance = 0;  ///< m, among pairs that may not touch; without hand against target
   double effort_used = 0;    ///< largest part of a joint's effort limit, 0 without limits
   double late_by = 0;        ///< TooSlow: s
+  int base_hits = 0;         ///< HitEarly: attempts that count for ApproachOptions::base_hits
   double hand_position_error = 0;        ///< m, hand at the end of the path from where it should be
   double hand_angle_error = 0;           ///< rad, the same of its axes
   PathPolish polish = PathPolish::None;  ///< what was made smaller
