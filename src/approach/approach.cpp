@@ -351,9 +351,11 @@ ApproachToAny approach_with_run_to_any(const CaptureProblem& problem,
   }
   if (open.empty()) return out;
   out = attempt_all(open, options.attempts_of_set, goals.size(), seed, stop, solver_calls);
-  std::vector<int> base_hits(out.base_hits.size());
-  for (std::size_t j = 0; j < asked.size(); ++j) base_hits[asked[j]] = out.base_hits[j];
-  out.base_hits = std::move(base_hits);
+  if (!out.base_hits.empty()) {
+    std::vector<int> base_hits(goals.size());
+    for (std::size_t j = 0; j < asked.size(); ++j) base_hits[asked[j]] = out.base_hits[j];
+    out.base_hits = std::move(base_hits);
+  }
   const MovingGoal& reached = moving[out.goal];
   if (out.approach.status == ApproachStatus::Found) {
     append_arrival(reached.task, reached.arrival, out.approach);
