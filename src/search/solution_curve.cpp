@@ -107,35 +107,47 @@ std::optional<double> step_to(const Formulation& formulation, const CurvePoint& 
 }
 
 /// The last point before a limit that lies within one step: where the room ends, by false position
-/// (the Illinois rule; Dowell and Jarratt, BIT 11, 1971), by halving where it jumps.
+/// (the Illinois rule; Dowell and Jarratt, BIT 11, 1971). Where that does not halve what is open,
+/// as where the room jumps or another limit is near all along, the next trial is in the middle.
 /// @param room at `from` and, beyond the limit, at the step h
 CurvePoint last_inside(const Formulation& formulation, const CurvePoint& from, double h,
                        std::pair<double, double> room, const CurveOptions& options) {
   CurvePoint last = from;
   double inside = 0, outside = h;
-  auto [room_inside_it, room_outside] = room;
-  int same_side = 0;  // > 0: the last trials were all inside
-  for (int i = 0; i < options.halvings; ++i) {
-    const bool is_at_limit = i == 0 && room_inside_it <= options.inside;
-    const bool is_smooth = room_inside_it > 0 && std::isfinite(room_outside);
-    const double part = is_smooth ? room_inside_it / (room_inside_it - room_outside) : 0.5;
-    const double between = is_at_limit ? options.shortest_step : inside + part * (outside - inside);
-    const auto trial = stepped(formulation, from, between, options);
+  auto [room_before, room_beyond] = room;  // weights of the ends, once they are halved
+  const auto try_step = [&](double step) {
+    const auto trial = stepped(formulation, from, step, options);
     const double there = trial ? room_inside(formulation, trial->x, options) : -kInfinity;
-    if (there >= -options.inside) {
+    const bool is_inside = there >= -options.inside;
+    if (is_inside) {
+      inside = step;
       last = *trial;
-      if (there <= options.inside) break;
-      inside = between;
-      room_inside_it = there;
-      same_side = std::max(same_side, 0) + 1;
-      if (same_side > 1) room_outside /= 2;
     } else {
-      if (is_at_limit) break;
-      outside = between;
-      room_outside = there;
-      same_side = std::min(same_side, 0) - 1;
-      if (same_side < -1) room_inside_it /= 2;
+      outside = step;
     }
+    return std::pair(is_inside, there);
+  };
+  // Whether the limit is at the last point itself: it is crossed right behind it.
+  const auto is_at_limit = [&](double there) {
+    constexpr double kBehind = 1e-9;
+    const double behind = inside + kBehind;
+    return there <= options.inside && behind < outside && !try_step(behind).first;
+  };
+  if (is_at_limit(room_before)) return last;
+  const double open = std::ldexp(h, -options.halvings);
+  bool was_before = false, was_beyond = false, is_slow = false;
+  while (outside - inside > open) {
+    const double width = outside - inside;
+    const bool is_smooth = !is_slow && room_before > 0 && std::isfinite(room_beyond);
+    const double part = is_smooth ? room_before / (room_before - room_beyond) : 0.5;
+    const auto [is_before, there] = try_step(inside + part * width);
+    if (is_before && is_at_limit(there)) break;
+    (is_before ? room_before : room_beyond) = there;
+    if (is_before && was_before) room_beyond /= 2;
+    if (!is_before && was_beyond) room_before /= 2;
+    was_before = is_before;
+    was_beyond = !is_before;
+    is_slow = outside - inside > width / 2;
   }
   return last;
 }

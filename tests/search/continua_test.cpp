@@ -241,4 +241,35 @@ TEST_CASE("isolated solutions belong to no curve") {
   CHECK(!trace_curve(formulation, result.points.front(), {}));
 }
 
+TEST_CASE("a curve along a bound ends where another limit is, and not before") {
+  CaptureProblem problem = test::shipped("spart_3dof_point");
+  const auto lengths = [](const CaptureProblem& of) {
+    std::vector<double> out;
+    const SearchResult result = solutions_of(of, Formulation(of));
+    for (const SolutionFamily& family : result.families) {
+      CHECK(family.is_complete);
+      out.push_back(family.length);
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  const SearchResult free = solutions_of(problem, Formulation(problem));
+  const std::vector<double> wanted = lengths(problem);
+  REQUIRE(wanted.size() >= 4);
+  // Along these curves joint 2 keeps its angle: its largest becomes a bound.
+  double largest = 0;
+  for (const SolutionFamily& family : free.families) {
+    largest = std::max(largest, family.points.front().phi.cwiseAbs()[1]);
+  }
+  for (const double off : {0.0, 1e-10, 1e-8, 1e-6, 1e-4}) {
+    INFO("off by " << off);
+    Joint& joint = problem.robot.joints[1];
+    joint.upper = largest + problem.constraints.joint_limit_margin + off;
+    joint.lower = -joint.upper;
+    const std::vector<double> found = lengths(problem);
+    REQUIRE(found.size() == wanted.size());
+    for (std::size_t i = 0; i < found.size(); ++i) CHECK(std::abs(found[i] - wanted[i]) < 1e-8);
+  }
+}
+
 }  // namespace stillbase
