@@ -236,7 +236,8 @@ class Stage {
   }
 
   /// Tries each candidate, at most `max_approaches`, and other forms of the good ones before the
-  /// other candidates. Where one fails its neighbours mostly fail too, so that they come last.
+  /// other candidates, or behind all of them. Where one fails its neighbours mostly fail too, so
+  /// that they come last.
   void one_by_one() {
     if (path_decides(problem_)) order_.judge_all();
     std::vector<std::size_t> tried;       // candidates
@@ -295,7 +296,8 @@ class Stage {
       if (static_cast<int>(forms.size()) == problem_.approach.max_approaches) break;
       const std::size_t candidate = order_.holding()[k];
       const bool has_base_hits = has_base_in_the_way_.count(candidate) > 0;
-      if (is_goal(k) && has_base_hits == of_base_hits) forms.push_back(other_forms(candidate));
+      if (!is_goal(k) || has_base_hits != of_base_hits) continue;
+      if (forms_tried_.insert(candidate).second) forms.push_back(other_forms(candidate));
     }
     // The first form of each candidate, then the second one of each.
     std::list<Goal> goals;
@@ -513,6 +515,7 @@ class Stage {
   std::map<std::size_t, std::string> excluded_;
   std::set<std::size_t> tried_alone_;          ///< candidates
   std::set<std::size_t> has_base_in_the_way_;  ///< candidates, see Approach::base_hits
+  std::set<std::size_t> forms_tried_;          ///< of these candidates
   bool tried_ = false;
   bool are_forms_tried_ = false;
   bool has_fallback_ = false;  ///< an approach to a configuration that breaks a limit afterwards

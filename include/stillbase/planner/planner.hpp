@@ -93,11 +93,13 @@ struct PlannerOptions {
 /// 2. those together with samples of their self-motion at the contact (`approach.goal_samples`).
 ///    A sample that is reached is certified and becomes the last candidate, reached by no start;
 /// 3. the good candidates one by one;
-/// 4. all of them whole turns of joints away and at other rolls of a free last joint, at once (one
-///    by one for a floating base with a stated start);
+/// 4. whole turns of their joints away and other rolls of a free last joint, at once (one by one
+///    for a floating base with a stated start), but for those of a candidate on whose paths the
+///    target touched a floating base;
 /// 5. the other candidates one by one: those that keep the limits, then those that do not (`verify`
 ///    says which limit fails);
-/// 6. none: the best candidate stands with the reason of its failure.
+/// 6. the turns and rolls that 4 has left out;
+/// 7. none: the best candidate stands with the reason of its failure.
 /// Of postures that are whole turns apart each candidate is the one nearest to the start, without
 /// an approach the one in the middle of the joints' limits. Of a candidate that touches something
 /// or breaks a limit after the impact the other rolls and turns are judged as well, and the first
