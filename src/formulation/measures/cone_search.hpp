@@ -32,7 +32,7 @@ class ConeSearch {
   std::size_t count_ = 1;        ///< of places
   std::size_t rings_ = 0;        ///< places on a spoke; 0: a row
   Eigen::MatrixX3d directions_;  ///< of the places, see DirectionModel::squares()
-  std::vector<double> squares_;  ///< |y|^2 of the places, and beyond them
+  std::vector<double> squares_;  ///< |y|^2 of the places, then padding
   std::vector<ConePlace> peaks_, seeds_, found_;
 };
 

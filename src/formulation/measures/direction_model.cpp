@@ -1,6 +1,7 @@
 #include "formulation/measures/direction_model.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "impact/direction_squares.hpp"
@@ -160,6 +161,7 @@ double DirectionModel::value(const Eigen::Vector2d& c) const {
 void DirectionModel::squares(const Eigen::MatrixX3d& directions,
                              std::vector<double>& squares) const {
   const Eigen::Index count = directions.rows();
+  assert(is_linear() && count % DirectionSquares::kMostLanes == 0);
   if (whole_square) return squares.assign(static_cast<std::size_t>(count), *whole_square);
   squares.resize(static_cast<std::size_t>(count));
   Matrix3d basis;

@@ -294,7 +294,9 @@ const std::vector<ConePlace>& ConeSearch::maxima(const DirectionModel& model) {
   const std::size_t most = scan_of(model).climbs;
   peaks_.clear();
   const auto take = [&](std::size_t i) {
-    const double value = std::copysign(std::sqrt(std::abs(squares_[i])), squares_[i]);
+    const double value = model.is_linear()
+                             ? model.value(place(i))
+                             : std::copysign(std::sqrt(std::abs(squares_[i])), squares_[i]);
     peaks_.push_back({place(i), value});
   };
   for (std::size_t i = 0; i < count_; ++i) {
