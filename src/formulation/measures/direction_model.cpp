@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include <stillbase/core/in_place.hpp>
+
 #include "impact/direction_squares.hpp"
 
 namespace stillbase {
@@ -166,9 +168,9 @@ void DirectionModel::squares(const Eigen::MatrixX3d& directions,
   squares.resize(static_cast<std::size_t>(count));
   Matrix3d basis;
   basis << n, u, v;
-  Eigen::Matrix<double, Eigen::Dynamic, 4> Y_here(Y.rows(), 4);
-  Y_here.leftCols<3>().noalias() = Y.leftCols<3>() * basis;
-  Y_here.col(3) = Y.col(3);
+  constexpr int kUsual = 24;  // rows that need no heap
+  InPlaceMatrix<double, kUsual> Y_here(Y);
+  Y_here.leftCols<3>().noalias() = Y.leftCols<3>().lazyProduct(basis);
   const Matrix3d W_here = basis.transpose() * W * basis;
   const Vector3d velocity_here = basis.transpose() * velocity;
   DirectionSquares asked{
