@@ -121,7 +121,8 @@ void AfterImpactJudge::judge_all(const std::vector<Configuration>& configuration
 
 void AfterImpactJudge::judge_from(std::size_t place, const std::vector<Candidate>& candidates) {
   if (!candidates[place].collision_free || known(candidates[place].configuration)) return;
-  const auto most = static_cast<std::size_t>(jobs_ * simulated_together(problem_));
+  const auto most =
+      static_cast<std::size_t>(jobs_) * static_cast<std::size_t>(simulated_together(problem_));
   std::vector<Configuration> to_judge;
   for (std::size_t i = place; i < candidates.size() && to_judge.size() < most; ++i) {
     if (candidates[i].collision_free) to_judge.push_back(candidates[i].configuration);
