@@ -98,8 +98,8 @@ class AfterImpactJudge {
   std::vector<std::pair<Configuration, std::string>> known_;
 };
 
-/// Order in which approaches are tried. Candidates are judged when they are asked about:
-/// simulations of worse ones than the plan needs would be a third of a short plan.
+/// Order in which approaches are tried. Candidates are judged when they are asked about: a plan
+/// says nothing of those that it does not need.
 class CandidateOrder {
  public:
   /// Judges up to the first candidate that holds. All arguments outlive this.
