@@ -120,13 +120,18 @@ Eigen::Vector2d DirectionModel::project(Eigen::Vector2d c) const {
   return angle > half_angle ? Eigen::Vector2d(c * (half_angle / angle)) : c;
 }
 
+double DirectionModel::closing_speed(const Vector3d& d) const {
+  return model.follows_target() ? d.dot(velocity) : encounter.closing_speed;
+}
+
+double DirectionModel::magnitude(const Vector3d& d) const {
+  if (model.magnitude_is_given()) return problem.impulse.magnitude;
+  return (1 + problem.impulse.restitution) * positive_part(closing_speed(d)) / d.dot(W * d);
+}
+
 double DirectionModel::square(const Vector3d& d) const {
   if (whole_square) return *whole_square;
-  double p = problem.impulse.magnitude;
-  if (!model.magnitude_is_given()) {
-    const double speed = !model.follows_target() ? encounter.closing_speed : d.dot(velocity);
-    p = (1 + problem.impulse.restitution) * positive_part(speed) / d.dot(W * d);
-  }
+  const double p = magnitude(d);
   double sum = 0;
   for (Eigen::Index i = 0; i < Y.rows(); ++i) {
     const double y = p * (Y.row(i).head<3>().dot(d) + Y(i, 3));
@@ -140,14 +145,10 @@ double DirectionModel::other_square(const Vector3d& d, const StopCondition& unti
     const ImpactSummary impact = impact_at(problem, model, encounter, configuration.phi);
     return differenced.square(configuration, impact, until);
   }
-  const double speed = !model.follows_target() ? encounter.closing_speed : d.dot(velocity);
-  const double p = model.magnitude_is_given()
-                       ? problem.impulse.magnitude
-                       : (1 + problem.impulse.restitution) * positive_part(speed) / d.dot(W * d);
   Vector6d F;
   F << d, encounter.F.tail<3>();
-  const ImpactSummary impact =
-      summarize_impact(problem.robot, configuration.phi, problem.resistance, p * F, speed);
+  const ImpactSummary impact = summarize_impact(
+      problem.robot, configuration.phi, problem.resistance, magnitude(d) * F, closing_speed(d));
   return differenced.square(configuration, impact, until);
 }
 

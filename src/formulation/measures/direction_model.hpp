@@ -59,6 +59,8 @@ struct DirectionModel {
   bool log_derivatives(const Vector3d& d, Vector3d& gradient, Matrix3d& hessian) const;
 
  private:
+  double closing_speed(const Vector3d& d) const;
+  double magnitude(const Vector3d& d) const;  ///< p, of the impulse
   double square(const Vector3d& d) const;
   double other_square(const Vector3d& d, const StopCondition& until) const;
 
