@@ -254,11 +254,9 @@ ApproachToAny attempt_all(std::vector<AttemptGoal>& goals, int limit, std::size_
     if (result.is_base_hit && ++goal.base_hits >= most_base_hits) result.hopeless = true;
     if (result.hopeless) goal.failures = limit;
   }
-  out.base_hits.resize(asked);
-  for (const AttemptGoal& goal : goals) {
-    if (asked > 0) out.base_hits[goal.index] = goal.base_hits;
-  }
   if (asked > 0) {
+    out.base_hits.resize(asked);
+    for (const AttemptGoal& goal : goals) out.base_hits[goal.index] = goal.base_hits;
     failure.detail += fmt::format(" (going for {} goals at once)", asked);
   } else if (attempts > 1) {
     failure.detail += fmt::format(" (after {} attempts)", attempts);

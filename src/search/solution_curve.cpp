@@ -129,7 +129,7 @@ CurvePoint last_inside(const Formulation& formulation, const CurvePoint& from, d
   };
   // Whether the limit is at the last point itself: it is crossed right behind it.
   const auto is_at_limit = [&](double there) {
-    constexpr double kBehind = 1e-9;
+    constexpr double kBehind = 1e-9;  // far more than the rounding of a point
     const double behind = inside + kBehind;
     return there <= options.inside && behind < outside && !try_step(behind).first;
   };
