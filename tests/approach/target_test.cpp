@@ -163,7 +163,18 @@ TEST_CASE("a goal is left out after a few paths on which the target touches a fl
     INFO(a.detail);
     CHECK(a.detail.find("target with shield") == 0);
     CHECK(calls["rrt_connect"] == hits);
+    CHECK(a.base_hits == hits);
   }
+  // Of several goals it is known how many paths to each were such ones.
+  ApproachGoal first, second;
+  first.configuration = goal;
+  second.configuration = goal_at(posture({0, 0}));
+  first.target = second.target = &target;
+  std::map<std::string, long> calls;
+  const ApproachToAny any = plan_approach_to_any(problem, {first, second}, 1, {}, calls);
+  CHECK(any.approach.status == ApproachStatus::HitEarly);
+  CHECK(any.base_hits == std::vector<int>{1, 1});
+  CHECK(calls["rrt_connect"] == 2);
 }
 
 TEST_CASE("a longer wait avoids a target that touches a floating base on its way") {
