@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 #include <stillbase/core/constants.hpp>
 #include <stillbase/core/parallel.hpp>
@@ -99,6 +100,25 @@ struct Solved {
   std::optional<Point> end;
 };
 
+/// The points that are carried to the end, see MeasureSearchOptions::finished.
+/// @param points sorted by value
+std::vector<const Point*> worth_finishing(const Formulation& formulation,
+                                          const std::vector<Point>& points,
+                                          const std::function<bool(const Configuration&)>& is_free,
+                                          const MeasureSearchOptions& options) {
+  std::vector<const Point*> out;
+  int best = 0, free = 0;
+  for (const Point& point : points) {
+    const bool is_best = best < options.finished;
+    if (!is_best && free == options.finished_free) break;
+    const bool touches = is_free && !is_free(formulation.configuration(point.x));
+    if (is_best || !touches) out.push_back(&point);
+    best += is_best ? 1 : 0;
+    free += touches ? 0 : 1;
+  }
+  return out;
+}
+
 /// How many of the values are those of the best minimum.
 int count_best(const std::vector<double>& values, double best, double same) {
   return static_cast<int>(std::count_if(values.begin(), values.end(),
@@ -133,7 +153,8 @@ Eigen::VectorXd hopped(const Eigen::VectorXd& x, Random& random,
 
 MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
-                             const std::vector<Eigen::VectorXd>& starts, const MoreStarts& more,
+                             const MeasureStarts& starts, const MoreStarts& more,
+                             const std::function<bool(const Configuration&)>& is_free,
                              std::uint64_t seed, int jobs, const MeasureSearchOptions& options) {
   MeasureMinima out;
   const MinimaFinder finder(formulation, measure, optimizer, solve);
@@ -173,7 +194,13 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     const auto count = static_cast<int>(from.size());
     out.stopped = for_each_index(jobs, count, solve.stop, work, take) < count || out.stopped;
   };
-  approach(starts, true);
+  approach(starts.postures, true);
+  // Solutions of the nominal problem lie in valleys of their own. With the worst directions alone
+  // a solve leaves them, for others: with those on the rim half of the seeds of iiwa_cone miss its
+  // best minimum.
+  const int rim_directions = std::exchange(limits.rim_directions, 0);
+  approach(starts.solutions, true);
+  limits.rim_directions = rim_directions;
   Random random(seed, 1);
   std::vector<Eigen::VectorXd> hopped_from;
   const auto is_zero = [&](double value) { return value <= options.zero * options.zero / 2; };
@@ -195,7 +222,7 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     }
     approach(more(round), true);
   }
-  approached = distinct(formulation, std::move(approached), options.same_basin);
+  approached = distinct(formulation, std::move(approached), options.apart);
 
   std::vector<Point> minima;
   const auto keep = [&](const MeasureSolution& solution, std::optional<Point> point) {
@@ -206,18 +233,19 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     minima = distinct(formulation, std::move(minima), options.same_minimum);
   };
   if (!stopped()) {
-    const auto most = std::min(approached.size(), static_cast<std::size_t>(options.finished));
-    std::vector<Solved<MeasureSolution>> solved(most);
+    const std::vector<const Point*> from =
+        worth_finishing(formulation, approached, is_free, options);
+    std::vector<Solved<MeasureSolution>> solved(from.size());
     const auto work = [&](int i) {
       auto& [solution, end] = solved[static_cast<std::size_t>(i)];
-      solution = finder.fine(approached[static_cast<std::size_t>(i)].x);
+      solution = finder.fine(from[static_cast<std::size_t>(i)]->x);
       end = finder.end_of(solution);
     };
     const auto take = [&](int i) {
       auto& [solution, end] = solved[static_cast<std::size_t>(i)];
       keep(solution, std::move(end));
     };
-    for_each_index(jobs, static_cast<int>(most), solve.stop, work, take);
+    for_each_index(jobs, static_cast<int>(from.size()), solve.stop, work, take);
   }
   // Stopped before a minimum was reached: the best of what is known.
   const bool is_ahead =

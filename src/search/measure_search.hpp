@@ -9,6 +9,12 @@
 
 namespace stillbase {
 
+/// Where solves of the measure begin.
+struct MeasureStarts {
+  std::vector<Eigen::VectorXd> postures;   ///< on the constraints to about 1e-3
+  std::vector<Eigen::VectorXd> solutions;  ///< of the nominal problem
+};
+
 struct MeasureMinima {
   std::vector<Eigen::VectorXd>
       points;  ///< on the constraints; repeated when reached more than once
@@ -27,12 +33,14 @@ Eigen::VectorXd hopped(const Eigen::VectorXd& x, Random& random,
 /// Further starts of a round (from 0), on the constraints to about 1e-3.
 using MoreStarts = std::function<std::vector<Eigen::VectorXd>(int round)>;
 
-/// @param starts on the constraints to about 1e-3
+/// Rough solves from `starts` and from those of further rounds, fine ones from the best of them.
 /// @param more may be empty: then there are no further rounds
+/// @param is_free whether a configuration touches nothing; may be empty
 /// @param jobs threads; the result does not depend on their number
 MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
                              const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& solve,
-                             const std::vector<Eigen::VectorXd>& starts, const MoreStarts& more,
+                             const MeasureStarts& starts, const MoreStarts& more,
+                             const std::function<bool(const Configuration&)>& is_free,
                              std::uint64_t seed, int jobs, const MeasureSearchOptions& options);
 
 }  // namespace stillbase

@@ -39,7 +39,7 @@ Eigen::VectorXd screen(const CaptureProblem& problem, const Formulation& formula
 
 std::vector<Eigen::VectorXd> best_by_screening(const CaptureProblem& problem,
                                                const Formulation& formulation,
-                                               const std::vector<Eigen::VectorXd>& points,
+                                               const std::vector<Eigen::VectorXd>& points, int kept,
                                                const ScreeningOptions& options) {
   if (points.empty()) return {};
   const Eigen::VectorXd values = screen(problem, formulation, points, options);
@@ -50,7 +50,7 @@ std::vector<Eigen::VectorXd> best_by_screening(const CaptureProblem& problem,
   });
   std::vector<Eigen::VectorXd> out;
   for (const std::size_t i : order) {
-    if (static_cast<int>(out.size()) == options.kept) break;
+    if (static_cast<int>(out.size()) == kept) break;
     const bool known = std::any_of(out.begin(), out.end(), [&](const Eigen::VectorXd& better) {
       return formulation.are_within(better, points[i], options.distance);
     });

@@ -16,7 +16,7 @@ Eigen::VectorXd screen(const CaptureProblem& problem, const Formulation& formula
 /// The best `kept` points by screen(), the best first, none nearer to a better one than `distance`.
 std::vector<Eigen::VectorXd> best_by_screening(const CaptureProblem& problem,
                                                const Formulation& formulation,
-                                               const std::vector<Eigen::VectorXd>& points,
+                                               const std::vector<Eigen::VectorXd>& points, int kept,
                                                const ScreeningOptions& options = {});
 
 }  // namespace stillbase

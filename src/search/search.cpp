@@ -271,13 +271,10 @@ class Search {
     out_.had_rounds = in_rounds;
     MoreStarts more;
     if (in_rounds) more = [this](int round) { return postures_.fresh(round); };
-    const std::vector<Eigen::VectorXd> from = first_starts(in_rounds);
-    // A long list is stated where many candidates may touch something.
-    MeasureSearchOptions effort = options_.minima;
-    effort.finished = std::max(effort.finished, options_.max_candidates / 2);
+    const MeasureStarts from = first_starts(in_rounds);
     const MeasureMinima found =
         measure_minima(formulation_, measure_, solves_.optimizer(), solves_.limits(last_start_),
-                       from, more, options_.seed, jobs_, effort);
+                       from, more, options_.is_free, options_.seed, jobs_, options_.minima);
     out_.solver_calls[options_.optimizer] += found.solver_calls;
     out_.stopped = out_.stopped || found.stopped;
     if (in_rounds) out_.unseen = found.is_zero ? 0 : std::exp(-found.reached);
@@ -297,11 +294,11 @@ class Search {
     solutions_ = std::move(minima);
   }
 
-  std::vector<Eigen::VectorXd> first_starts(bool in_rounds) const {
+  MeasureStarts first_starts(bool in_rounds) const {
     const PhaseClock::Phase phase(options_.clock, "search.screening");
     std::vector<Eigen::VectorXd> solutions;
     for (const Solution& solution : solutions_) solutions.push_back(solution.x);
-    return postures_.first(on_constraints_, solutions, in_rounds);
+    return postures_.first(on_constraints_, std::move(solutions), in_rounds);
   }
 
   void state_nominal_optimum() {

@@ -5,7 +5,6 @@
 #include <stillbase/core/parallel.hpp>
 #include <stillbase/core/random.hpp>
 
-#include "search/measure_search.hpp"
 #include "search/screening.hpp"
 
 namespace stillbase {
@@ -65,32 +64,17 @@ std::vector<Eigen::VectorXd> StartPostures::moved_onto_constraints(int count, in
   return out;
 }
 
-std::vector<Eigen::VectorXd> StartPostures::first(std::vector<Eigen::VectorXd> postures,
-                                                  const std::vector<Eigen::VectorXd>& solutions,
-                                                  bool in_rounds) const {
+MeasureStarts StartPostures::first(std::vector<Eigen::VectorXd> postures,
+                                   std::vector<Eigen::VectorXd> solutions, bool in_rounds) const {
   const std::vector<Eigen::VectorXd> drawn = drawn_postures(0);
-  if (in_rounds) {
-    postures.insert(postures.end(), drawn.begin(), drawn.end());
-    return best_of_both(postures, solutions, options_.minima.first);
-  }
-  postures.insert(postures.end(), solutions.begin(), solutions.end());
-  for (Eigen::VectorXd& start :
-       best_by_screening(problem_, formulation_, drawn, options_.screening)) {
-    postures.push_back(std::move(start));
-  }
-  return postures;
+  postures.insert(postures.end(), drawn.begin(), drawn.end());
+  const int kept = options_.minima.first;
+  return {best(postures, kept), in_rounds ? best(solutions, kept) : std::move(solutions)};
 }
 
-std::vector<Eigen::VectorXd> StartPostures::best_of_both(const std::vector<Eigen::VectorXd>& first,
-                                                         const std::vector<Eigen::VectorXd>& second,
-                                                         int kept) const {
-  ScreeningOptions screening = options_.screening;
-  screening.kept = kept;
-  auto out = best_by_screening(problem_, formulation_, first, screening);
-  for (Eigen::VectorXd& x : best_by_screening(problem_, formulation_, second, screening)) {
-    out.push_back(std::move(x));
-  }
-  return out;
+std::vector<Eigen::VectorXd> StartPostures::best(const std::vector<Eigen::VectorXd>& points,
+                                                 int kept) const {
+  return best_by_screening(problem_, formulation_, points, kept, options_.screening);
 }
 
 std::vector<Eigen::VectorXd> StartPostures::drawn_postures(int batch) const {
@@ -108,17 +92,18 @@ std::vector<Eigen::VectorXd> StartPostures::fresh(int round) {
                                    [&](int i) { return postures[static_cast<std::size_t>(i)]; });
     may_be_zero_ = !zeros.empty();
   }
-  return best_of_both(postures, walk_along_zeros(zeros, round), options_.minima.fresh);
+  const int kept = options_.minima.fresh;
+  std::vector<Eigen::VectorXd> out = best(postures, kept);
+  for (Eigen::VectorXd& x : best(walk_along_zeros(zeros, round), kept)) out.push_back(std::move(x));
+  return out;
 }
 
 std::vector<Eigen::VectorXd> StartPostures::walk_along_zeros(std::vector<Eigen::VectorXd> zeros,
                                                              int round) const {
   const MeasureSearchOptions& effort = options_.minima;
   if (zeros.empty()) return zeros;
-  ScreeningOptions screening = options_.screening;
-  screening.kept = effort.fresh;
-  zeros = best_by_screening(problem_, formulation_, zeros, screening);
-  Eigen::VectorXd values = screen(problem_, formulation_, zeros, screening);
+  zeros = best(zeros, effort.fresh);
+  Eigen::VectorXd values = screen(problem_, formulation_, zeros, options_.screening);
   Random random(options_.seed, 2 + static_cast<std::uint64_t>(round));
   for (int step = 0; step < effort.self_motion_steps && !options_.stop.reached(); ++step) {
     std::vector<Eigen::VectorXd> moved;
@@ -129,7 +114,7 @@ std::vector<Eigen::VectorXd> StartPostures::walk_along_zeros(std::vector<Eigen::
       is_zero.push_back(end.violation <= options_.on_constraints);
       moved.push_back(end.x);
     }
-    const Eigen::VectorXd trial = screen(problem_, formulation_, moved, screening);
+    const Eigen::VectorXd trial = screen(problem_, formulation_, moved, options_.screening);
     for (std::size_t i = 0; i < zeros.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       if (!is_zero[i] || !(trial[k] < values[k])) continue;

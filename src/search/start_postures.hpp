@@ -7,6 +7,7 @@
 #include <stillbase/search/search.hpp>
 
 #include "formulation/projection.hpp"
+#include "search/measure_search.hpp"
 
 namespace stillbase {
 
@@ -26,11 +27,11 @@ class StartPostures {
   /// A start point on the constraints, or as near to them as a few draws come.
   ProjectionResult of(int start) const;
 
-  /// Where solves of the measure begin: `postures` on the constraints, the solutions of the nominal
-  /// problem, and what looks best of many draws. Where rounds follow: what looks best of all.
-  std::vector<Eigen::VectorXd> first(std::vector<Eigen::VectorXd> postures,
-                                     const std::vector<Eigen::VectorXd>& solutions,
-                                     bool in_rounds) const;
+  /// Where solves of the measure begin: at the solutions of the nominal problem, and at what looks
+  /// best for the measure of `postures` on the constraints and of many more. Where rounds follow,
+  /// at what looks best of the solutions, too.
+  MeasureStarts first(std::vector<Eigen::VectorXd> postures, std::vector<Eigen::VectorXd> solutions,
+                      bool in_rounds) const;
 
   /// Starts of a further round: postures that look best for the measure, and zeros of the nominal
   /// value that do. Minima of the measure are often near the best zeros of a self-motion, and
@@ -50,10 +51,8 @@ class StartPostures {
                                                       const PointOf& start) const;
   /// Postures on the constraints, of a batch of draws that no start has used.
   std::vector<Eigen::VectorXd> drawn_postures(int batch) const;
-  /// As many as `kept` of either list, by screening.
-  std::vector<Eigen::VectorXd> best_of_both(const std::vector<Eigen::VectorXd>& first,
-                                            const std::vector<Eigen::VectorXd>& second,
-                                            int kept) const;
+  /// At most `kept` of them, by screening.
+  std::vector<Eigen::VectorXd> best(const std::vector<Eigen::VectorXd>& points, int kept) const;
   /// Zeros after a few random steps along their self-motions, each taken where the measure falls.
   std::vector<Eigen::VectorXd> walk_along_zeros(std::vector<Eigen::VectorXd> zeros,
                                                 int round) const;

@@ -69,7 +69,7 @@ TEST_CASE("the best of a screening are sorted and apart from each other") {
   const Formulation formulation(problem);
   auto points = some_points(formulation, 30);
   points.push_back(points[3]);
-  const auto best = best_by_screening(problem, formulation, points, {.kept = 12});
+  const auto best = best_by_screening(problem, formulation, points, 12);
   REQUIRE(best.size() == 12);
   const Eigen::VectorXd of_all = screen(problem, formulation, points);
   const Eigen::VectorXd of_best = screen(problem, formulation, best);
@@ -78,8 +78,8 @@ TEST_CASE("the best of a screening are sorted and apart from each other") {
   for (std::size_t i = 0; i < best.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) CHECK(formulation.distance(best[i], best[j]) >= 0.1);
   }
-  CHECK(best_by_screening(problem, formulation, points, {.kept = 100}).size() <= 30);
-  CHECK(best_by_screening(problem, formulation, {}, {.kept = 5}).empty());
+  CHECK(best_by_screening(problem, formulation, points, 100).size() <= 30);
+  CHECK(best_by_screening(problem, formulation, {}, 5).empty());
 }
 
 }  // namespace stillbase

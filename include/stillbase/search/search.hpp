@@ -43,7 +43,6 @@ struct ContinuumOptions {
 /// A first judgement of many postures by the measure over a few scenarios.
 struct ScreeningOptions {
   int drawn = 256;           ///< postures beside the starts: they count where few are asked for
-  int kept = 16;             ///< the best of them
   double distance = 0.1;     ///< rad between two of them
   int rim_directions = 8;    ///< on the rim of the cone, beside the nominal direction
   std::size_t samples = 32;  ///< of a measure over samples: the first ones
@@ -51,16 +50,21 @@ struct ScreeningOptions {
 
 /// The local minima of the measure.
 struct MeasureSearchOptions {
-  int finished = 16;  ///< solves that are carried to the end; most starts end at the same minima
-  int flips = 48;     ///< solves in other branches of the best minima, which often differ by a
-                      ///< percent only
+  /// Rough points that are carried to the end: the best ones, and the best of those that touch
+  /// nothing. Where the best ones touch something, those that can be chosen are among the latter.
+  int finished = 12, finished_free = 24;
+  double apart = 0.3;  ///< rad, between two of them: nearer ones mostly end at the same minimum
+  int flips = 48;      ///< solves in other branches of the best minima, which often differ by a
+                       ///< percent only
   double same_basin = 0.02;    ///< rad: rough points this near end at the same minimum
   double same_minimum = 1e-3;  ///< rad: finished ones
   double promising = 1.05;     ///< of the best |y|^2: minima whose other branches are tried
   double worth_a_solve = 1.5;  ///< of the best |y|^2: branches that are solved
 
+  int first = 24;  ///< postures that are started from, and solutions where rounds follow: 64 and
+                   ///< more postures take twice the time and find no more
+
   // Rounds of further starts.
-  int first = 24;        ///< starts before the rounds, of either kind
   int least_rounds = 8;  ///< what the first starts end at may be a wide valley: with half of these
                          ///< rounds five seeds of twenty miss the deeper one of iiwa_cone, with all
                          ///< of them one

@@ -185,11 +185,12 @@ std::vector<ConeMaximum> Measure::maxima_at(const Eigen::VectorXd& x) const {
   return cone_maxima(problem_, formulation_, formulation_.configuration(x));
 }
 
-std::vector<Scenario> Measure::first_directions(const std::vector<ConeMaximum>& worst) const {
+std::vector<Scenario> Measure::first_directions(const std::vector<ConeMaximum>& worst,
+                                                int rim_directions) const {
   // Where each direction is simulated the worst ones alone have to do.
   const bool is_cheap = formulation_.parts().differenced.empty();
   std::vector<Scenario> out;
-  if (is_cheap) out = outer_scenarios(problem_, options_.rim_directions);
+  if (is_cheap) out = outer_scenarios(problem_, rim_directions);
   for (const Scenario& scenario : scenarios_of(worst)) out.push_back(scenario);
   return out;
 }
@@ -200,7 +201,7 @@ RoughSolution Measure::exchange(const nlp::Optimizer& optimizer,
   const nlp::OptimizeOptions rough = roughly(options, limits);
   RoughSolution out{{x0, 0}, {}};
   std::vector<ConeMaximum> worst = maxima_at(x0);
-  std::vector<Scenario> active = first_directions(worst);
+  std::vector<Scenario> active = first_directions(worst, limits.rim_directions);
   Eigen::VectorXd x = x0;
   double least = worst.front().value;
   for (int round = 0; round < options_.rounds; ++round) {

@@ -45,15 +45,15 @@ struct RoughLimits {
   /// Measure beyond which a start is given up: what it reached over the directions so far exceeds
   /// it, and over the cone its minimum is no less than over these.
   double hopeless = kInfinity;
+  /// On the rim, beside the worst ones, in every solve with fixed directions. With the worst ones
+  /// alone the solve would leave for places where others are worse: from 0.1 rad off a minimum over
+  /// a cone of 20 deg one of 30 solves comes back to it, with eight directions 26.
+  int rim_directions = 8;
 };
 
 /// How the worst case over the cone is minimised.
 struct MeasureOptions {
-  int rounds = 6;  ///< of a local solve and a new set of directions
-  /// On the rim, in every solve with fixed directions. With the worst ones alone the solve would
-  /// leave for places where others are worse: from 0.1 rad off a minimum over a cone of 20 deg one
-  /// of 30 solves comes back to it, with eight directions 26.
-  int rim_directions = 8;
+  int rounds = 6;      ///< of a local solve and a new set of directions
   double near = 1e-2;  ///< relative excess at which the directions hardly change any more
   double counting_maximum = 0.25;  ///< of the worst |y|^2: smaller maxima do not count yet
   double finished = 1e-8;          ///< KKT residual after which no round follows
@@ -109,7 +109,8 @@ class Measure {
   MeasureSolution follow(const nlp::Optimizer& optimizer, const nlp::OptimizeOptions& options,
                          const Eigen::VectorXd& x0);
   /// Directions from which exchange() begins.
-  std::vector<Scenario> first_directions(const std::vector<ConeMaximum>& worst) const;
+  std::vector<Scenario> first_directions(const std::vector<ConeMaximum>& worst,
+                                         int rim_directions) const;
   std::vector<ConeMaximum> maxima_at(const Eigen::VectorXd& x) const;
   /// 1/2 |y|^2 / unit^2 at a value of the objective.
   double half_square(double value) const;
