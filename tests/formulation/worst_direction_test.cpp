@@ -101,6 +101,24 @@ TEST_CASE("every maximum over a cone or a wedge is one, seen from all sides") {
   }
 }
 
+TEST_CASE("maxima over one cone do not depend on the cones before") {
+  Random random(37);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
+  const auto worst_over = [&](double half_angle) {
+    problem.uncertainty.cone_half_angle = half_angle;
+    const Formulation formulation(problem);
+    return worst_case(problem, formulation,
+                      formulation.configuration(formulation.start_point(
+                          low_discrepancy_point(1, formulation.num_variables(), 9))))
+        .value;
+  };
+  const double wide = worst_over(0.4), narrow = worst_over(0.1), none = worst_over(0);
+  CHECK(wide > narrow);
+  CHECK(narrow > none);
+  CHECK(worst_over(0.1) == narrow);
+  CHECK(worst_over(0.4) == wide);
+}
+
 TEST_CASE("a worst direction is stationary to more digits than its value tells") {
   Random random(38);
   for (int trial = 0; trial < 12; ++trial) {

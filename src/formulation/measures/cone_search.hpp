@@ -13,7 +13,7 @@ struct ConePlace {
   double value;
 };
 
-/// Keeps what a search needs: later ones do not allocate.
+/// Keeps what a search needs: later ones do not allocate, and find the places of a cone again.
 class ConeSearch {
  public:
   /// The maxima over the cone, largest first, until the next call.
@@ -24,7 +24,8 @@ class ConeSearch {
   void scan(const DirectionModel& model);
   /// The middle, then spoke by spoke, or along the row.
   Eigen::Vector2d place(std::size_t i) const;
-  void find_squares(const DirectionModel& model);
+  /// Of the places of a new cone.
+  void set_directions();
   /// Whether no neighbour of the i-th place has a larger value.
   bool is_peak(std::size_t i) const;
 

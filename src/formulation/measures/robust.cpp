@@ -206,12 +206,21 @@ Place refine(const DirectionModel& model, Place place) {
 
 void ConeSearch::scan(const DirectionModel& model) {
   const auto [rings, spokes, row, climbs] = scan_of(model);
-  half_angle_ = model.half_angle;
-  rings_ = half_angle_ > 0 && !model.planar ? static_cast<std::size_t>(rings) : 0;
-  count_ = 1 + (rings_ > 0        ? rings_ * static_cast<std::size_t>(spokes)
-                : half_angle_ > 0 ? static_cast<std::size_t>(row)
-                                  : 0);
-  if (model.is_linear()) return find_squares(model);
+  const double half_angle = model.half_angle;
+  const std::size_t rings_now =
+      half_angle > 0 && !model.planar ? static_cast<std::size_t>(rings) : 0;
+  const std::size_t count = 1 + (rings_now > 0    ? rings_now * static_cast<std::size_t>(spokes)
+                                 : half_angle > 0 ? static_cast<std::size_t>(row)
+                                                  : 0);
+  const bool is_new = half_angle != half_angle_ || rings_now != rings_ || count != count_;
+  half_angle_ = half_angle;
+  rings_ = rings_now;
+  count_ = count;
+  if (model.is_linear()) {
+    if (is_new || directions_.rows() == 0) set_directions();
+    return model.squares(directions_, squares_);
+  }
+  directions_.resize(0, 3);
   squares_.resize(count_);
   for (std::size_t i = 0; i < count_; ++i) {
     const double value = model.value(place(i));
@@ -230,7 +239,7 @@ Eigen::Vector2d ConeSearch::place(std::size_t i) const {
   return angle * Eigen::Vector2d(std::cos(turn), std::sin(turn));
 }
 
-void ConeSearch::find_squares(const DirectionModel& model) {
+void ConeSearch::set_directions() {
   constexpr auto kLanes = static_cast<std::size_t>(DirectionSquares::kMostLanes);
   const auto padded = static_cast<Eigen::Index>((count_ + kLanes - 1) / kLanes * kLanes);
   directions_.resize(padded, 3);
@@ -259,7 +268,6 @@ void ConeSearch::find_squares(const DirectionModel& model) {
       rows.col(1) = std::cos(turn) * first.col(1);
     }
   }
-  model.squares(directions_, squares_);
 }
 
 bool ConeSearch::is_peak(std::size_t i) const {
@@ -336,6 +344,16 @@ const std::vector<ConePlace>& ConeSearch::maxima(const DirectionModel& model) {
   return found_;
 }
 
+namespace {
+
+/// That of this thread: a search asks for thousands of maxima over one cone.
+ConeSearch& cone_search() {
+  static thread_local ConeSearch search;
+  return search;
+}
+
+}  // namespace
+
 WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulation,
                      const Configuration& configuration) {
   if (has_residual(problem)) {
@@ -343,8 +361,7 @@ WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulati
     return {value, formulation.encounter(configuration).F.head<3>(), true};
   }
   const DirectionModel model(problem, formulation, configuration);
-  ConeSearch search;
-  const Place worst = search.maxima(model).front();
+  const Place worst = cone_search().maxima(model).front();
   return {formulation.objective_power().value(worst.value), model.direction(worst.c),
           model.is_complete()};
 }
@@ -353,9 +370,8 @@ std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formul
                                      const Configuration& configuration) {
   if (has_residual(problem)) return ellipsoid_maxima(problem, formulation, configuration);
   const DirectionModel model(problem, formulation, configuration);
-  ConeSearch search;
   std::vector<ConeMaximum> out;
-  for (const Place& place : search.maxima(model)) {
+  for (const Place& place : cone_search().maxima(model)) {
     ConeMaximum maximum{formulation.nominal_scenario(),
                         formulation.objective_power().value(place.value)};
     maximum.scenario.direction =
