@@ -6,12 +6,17 @@
 
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/plan/plan.hpp>
+#include <stillbase/simulation/after_contact.hpp>
 #include <stillbase/simulation/simulate.hpp>
 
 namespace stillbase {
 
 /// As precise as limits are judged by.
 SimulationOptions judging_options(const CaptureProblem& problem, const StopCondition& stop);
+
+/// The whole motion to the horizon, as precise as judging_options() ask for.
+AfterContact motion_to_horizon(const CaptureProblem& problem, const ContactCase& subject,
+                               const Controller& controller, const StopCondition& stop);
 
 /// How many configurations are simulated in about the time of one: several side by side where a
 /// first run may be certain of what follows, else 1.

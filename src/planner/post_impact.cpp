@@ -99,7 +99,7 @@ AfterImpactAccount account_after_impact(const CaptureProblem& problem,
   std::optional<AfterContact> run;
   if (const auto controller = chosen_controller(spec)) {
     const SimulationOptions options = judging_options(problem, stop);
-    run = simulate_after_contact(subject, spec, *controller, options);
+    run = motion_to_horizon(problem, subject, *controller, stop);
     out.motion = look_beyond_horizon(subject, spec, *controller, options, *run);
     if (run->simulation.status != SimulationStatus::Finished) run.reset();
   }

@@ -5,6 +5,8 @@
 #include <stillbase/encounter/encounter.hpp>
 #include <stillbase/planner/post_impact.hpp>
 
+#include "planner/after_impact.hpp"
+#include "planner/contact_case.hpp"
 #include "support/shipped_problem.hpp"
 
 namespace stillbase {
@@ -77,6 +79,27 @@ TEST_CASE("a joint that moves at the horizon is followed to its stop") {
   problem.post_impact.attitude_change_max = 3;
   problem.post_impact.controllers = {"none"};
   CHECK(post_impact_failure(problem, at, impact, {}) == "");
+}
+
+TEST_CASE("a motion is stated by fixed steps where it is slow, by adaptive ones where it is fast") {
+  const CaptureProblem problem = test::shipped("iiwa_client_50");
+  const Configuration at{problem.start, problem.base};
+  const PostImpactSpec& spec = problem.post_impact;
+  const Controller controller = *controller_of(spec, "joint_damping");
+  ContactCase subject = contact_case(problem, at, impact_at(problem, at));
+  const auto rate_after = [&](const AfterContact& run) {
+    return run.simulation.trace.back().state.phidot.norm();
+  };
+  const auto adaptive = [&] {
+    return rate_after(
+        simulate_after_contact(subject, spec, controller, judging_options(problem, {})));
+  };
+  subject.after.phidot.setConstant(0.05);
+  const double slow = rate_after(motion_to_horizon(problem, subject, controller, {}));
+  CHECK(slow != adaptive());
+  CHECK(slow == Approx(adaptive()).epsilon(1e-8));
+  subject.after.phidot.setConstant(5);
+  CHECK(rate_after(motion_to_horizon(problem, subject, controller, {})) == adaptive());
 }
 
 TEST_CASE("joints that rest at their stops state when they reached them") {
