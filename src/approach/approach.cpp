@@ -257,7 +257,7 @@ ApproachToAny attempt_all(std::vector<AttemptGoal>& goals, int limit, std::size_
   if (asked > 0) {
     out.base_hits.resize(asked);
     for (const AttemptGoal& goal : goals) out.base_hits[goal.index] = goal.base_hits;
-    failure.detail += fmt::format(" (going for {} goals at once)", asked);
+    if (asked > 1) failure.detail += fmt::format(" (going for {} goals at once)", asked);
   } else if (attempts > 1) {
     failure.detail += fmt::format(" (after {} attempts)", attempts);
   }

@@ -382,9 +382,11 @@ class Stage {
   bool to_any() {
     std::list<Goal> goals = good_candidates();
     if (goals.empty()) return false;
-    if (goals.size() > 1 && to_any_of(goals)) return true;
-    // Within the null space all candidates were tried, with their continua.
-    if (path_decides(problem_)) return goals.size() > 1 && !has_fallback_;
+    // Within the null space a path to one alone is for one_by_one(); of several all were tried,
+    // with their continua.
+    if (path_decides(problem_) && goals.size() == 1) return false;
+    if (to_any_of(goals)) return true;
+    if (path_decides(problem_)) return !has_fallback_;
     const std::size_t count = goals.size();
     add_samples(goals);
     return goals.size() > count && to_any_of(goals);
@@ -404,11 +406,13 @@ class Stage {
       return std::max(rank_of(problem_, candidate), kZeroRank);
     };
     const double best = rank(found_.candidates[order_.first()]);
+    const double factor = std::max(problem_.approach.goal_factor, 1.001);
     for (const Goal& goal : goals) {
-      // A goal twice as bad is sampled a quarter as often. Zeros are equally good.
-      const double part = rank(candidate_of(goal)) / best;
-      asked.push_back({configuration_of(goal), goal.motion ? &*goal.motion : nullptr,
-                       1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
+      // One that is just good enough is sampled a tenth as often. Zeros are equally good.
+      const double excess = (rank(candidate_of(goal)) / best - 1) / (factor - 1);
+      const double weight = std::pow(10, -std::clamp(excess, 0.0, 1.0));
+      asked.push_back({configuration_of(goal), goal.motion ? &*goal.motion : nullptr, weight,
+                       goal.contact ? goal.contact->solver() : ContactSolver{}});
     }
     ApproachToAny any =
         plan_approach_to_any(problem_, asked, seed, options_.stop, solver_calls_, path_options_);
@@ -477,6 +481,8 @@ class Stage {
     for (const Goal& goal : goals) points.push_back(found_.points[goal.candidate]);
     Formulation quick(problem_, encounter_);
     quick.give_up_simulations_at(options_.stop);
+    std::vector<CertifiedCandidate> samples;
+    std::vector<Configuration> to_judge;
     for (const Eigen::VectorXd& x :
          self_motion_samples(problem_, quick, points, best, problem_.approach.goal_factor,
                              problem_.approach.goal_samples, options_.stop, options_.self_motion)) {
@@ -487,8 +493,14 @@ class Stage {
       CertifiedCandidate sample =
           certify_candidate(problem_, formulation(), x, candidate, found_.certificates[beside]);
       collisions_.judge(sample.candidate);
-      const Configuration at = sample.candidate.configuration;
       if (!sample.candidate.collision_free) continue;
+      to_judge.push_back(sample.candidate.configuration);
+      samples.push_back(std::move(sample));
+    }
+    after_.judge_all(to_judge);
+    for (CertifiedCandidate& sample : samples) {
+      const Configuration at = sample.candidate.configuration;
+      if (options_.stop.reached()) return;
       if (!after_.keeps_limits(at)) continue;
       goals.push_back({beside, std::move(sample), true, collisions_.target_towards(at), nullptr});
     }
