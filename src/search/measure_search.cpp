@@ -108,13 +108,15 @@ std::vector<const Point*> worth_finishing(const Formulation& formulation,
                                           const MeasureSearchOptions& options) {
   std::vector<const Point*> out;
   int best = 0, free = 0;
+  double most = kInfinity;
   for (const Point& point : points) {
     const bool is_best = best < options.finished;
-    if (!is_best && free == options.finished_free) break;
+    if ((!is_best && free == options.finished_free) || point.value > most) break;
     const bool touches = is_free && !is_free(formulation.configuration(point.x));
     if (is_best || !touches) out.push_back(&point);
     best += is_best ? 1 : 0;
-    free += touches ? 0 : 1;
+    if (touches) continue;
+    if (free++ == 0) most = options.worth_finishing * point.value;
   }
   return out;
 }

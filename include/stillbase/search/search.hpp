@@ -53,6 +53,7 @@ struct MeasureSearchOptions {
   /// Rough points that are carried to the end: the best ones, and the best of those that touch
   /// nothing. Where the best ones touch something, those that can be chosen are among the latter.
   int finished = 12, finished_free = 24;
+  double worth_finishing = 4;  ///< of the best |y|^2 that touches nothing: none worse is
   double apart = 0.3;  ///< rad, between two of them: nearer ones mostly end at the same minimum
   int flips = 48;      ///< solves in other branches of the best minima, which often differ by a
                        ///< percent only

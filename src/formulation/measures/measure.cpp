@@ -235,6 +235,8 @@ RoughSolution Measure::exchange(const nlp::Optimizer& optimizer,
 MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
                                 const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
   MeasureSolution out{x0, 0};
+  nlp::OptimizeOptions solve = options;
+  solve.max_evaluations = std::min(options.max_evaluations, options_.evaluations);
   std::vector<ConeMaximum> worst = maxima_at(x0);
   for (int round = 0; round < options_.rounds; ++round) {
     const double scale = half_square(worst.front().value);
@@ -245,7 +247,7 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
         following.push_back(maximum.scenario);
     }
     const ScenarioProgram program(formulation_, following, scale, &problem_);
-    const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), options);
+    const nlp::OptimizeResult result = optimizer.minimize(program, program.lifted(out.x), solve);
     ++out.solver_calls;
     const Eigen::VectorXd x = in_shortest_turns(formulation_, result.x.head(x0.size()));
     out.at_kink = result.at_kink && formulation_.distance(x, out.x) <= options_.same_point;

@@ -53,7 +53,10 @@ struct RoughLimits {
 
 /// How the worst case over the cone is minimised.
 struct MeasureOptions {
-  int rounds = 6;      ///< of a local solve and a new set of directions
+  int rounds = 6;  ///< of a local solve and a new set of directions
+  /// Of a solve with directions that follow the maxima, which needs 10 to 100: a thousand without a
+  /// way down take as long as all others of a search.
+  int evaluations = 120;
   double near = 1e-2;  ///< relative excess at which the directions hardly change any more
   double counting_maximum = 0.25;  ///< of the worst |y|^2: smaller maxima do not count yet
   double finished = 1e-8;          ///< KKT residual after which no round follows
