@@ -365,6 +365,15 @@ PathAnswer plan_in_turn(const NamedPlanner& named, const PathQuery& query) {
   return answer;
 }
 
+/// The best goal by itself, as long as that takes little; else any of them.
+PathAnswer plan_to_best_or_any(const NamedPlanner& named, const PathQuery& query) {
+  PathQuery best = query;
+  best.ends.resize(1);
+  best.max_iterations = std::min(query.max_iterations, query.options.iterations_to_best);
+  PathAnswer answer = plan_with(named, best);
+  return answer.outcome == PathOutcome::NotFound ? plan_with(named, query) : answer;
+}
+
 }  // namespace
 
 PathPlanner find_path_planner(const std::string& name) {
@@ -373,8 +382,8 @@ PathPlanner find_path_planner(const std::string& name) {
                    [&](const NamedPlanner& planner) { return planner.name == name; });
   if (named == kPlanners.end()) return nullptr;
   return [named](const PathQuery& query) {
-    const bool in_turn = query.ends.size() > 1 && !named->takes_sets;
-    return in_turn ? plan_in_turn(*named, query) : plan_with(*named, query);
+    if (query.ends.size() == 1) return plan_with(*named, query);
+    return named->takes_sets ? plan_to_best_or_any(*named, query) : plan_in_turn(*named, query);
   };
 }
 

@@ -406,13 +406,11 @@ class Stage {
       return std::max(rank_of(problem_, candidate), kZeroRank);
     };
     const double best = rank(found_.candidates[order_.first()]);
-    const double factor = std::max(problem_.approach.goal_factor, 1.001);
     for (const Goal& goal : goals) {
-      // One that is just good enough is sampled a tenth as often. Zeros are equally good.
-      const double excess = (rank(candidate_of(goal)) / best - 1) / (factor - 1);
-      const double weight = std::pow(10, -std::clamp(excess, 0.0, 1.0));
-      asked.push_back({configuration_of(goal), goal.motion ? &*goal.motion : nullptr, weight,
-                       goal.contact ? goal.contact->solver() : ContactSolver{}});
+      // A goal twice as bad is sampled a quarter as often. Zeros are equally good.
+      const double part = rank(candidate_of(goal)) / best;
+      asked.push_back({configuration_of(goal), goal.motion ? &*goal.motion : nullptr,
+                       1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
     }
     ApproachToAny any =
         plan_approach_to_any(problem_, asked, seed, options_.stop, solver_calls_, path_options_);

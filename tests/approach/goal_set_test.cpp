@@ -11,9 +11,9 @@ namespace {
 constexpr double kShoulder = 1.4;
 
 ApproachToAny plan_any(const CaptureProblem& problem, const std::vector<ApproachGoal>& goals,
-                       std::uint64_t seed = 1) {
+                       std::uint64_t seed = 1, const ApproachOptions& options = {}) {
   std::map<std::string, long> calls;
-  return plan_approach_to_any(problem, goals, seed, {}, calls);
+  return plan_approach_to_any(problem, goals, seed, {}, calls, options);
 }
 
 ApproachGoal towards(const Configuration& configuration, double weight = 1) {
@@ -52,6 +52,22 @@ TEST_CASE("a goal that cannot be reached does not prevent the approach to one th
     CHECK(any.goal == 1);
     check_motion(problem, beside, any.approach);
     CHECK(any.approach.detail.find("goal 2 of a set of 2") != std::string::npos);
+  }
+}
+
+TEST_CASE("the best goal of a set is reached, though another one is easier to reach") {
+  CaptureProblem problem = beside_a_ball();
+  problem.obstacles.front().pose.position.x() = kShoulder + 2.5;  // link 2 has to be folded to pass
+  const std::vector<ApproachGoal> goals = {towards(goal_at(posture({60, 10}))),
+                                           towards(goal_at(posture({-50, 40})))};
+  ApproachOptions at_once;
+  at_once.path.iterations_to_best = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const ApproachToAny any = plan_any(problem, goals, seed);
+    INFO(any.approach.detail);
+    REQUIRE(any.approach.status == ApproachStatus::Found);
+    CHECK(any.goal == 0);
+    CHECK(plan_any(problem, goals, seed, at_once).goal == 1);
   }
 }
 

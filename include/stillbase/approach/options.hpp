@@ -15,6 +15,9 @@ struct PathPlannerOptions {
   /// Iterations of planners that improve a path, after their first solution. Simplification and
   /// polish do the remainder.
   int improvement_iterations = 500;
+  /// To the best of several goals by itself, before all are gone for: of these a planner reaches
+  /// the one that is easiest to reach.
+  int iterations_to_best = 500;
   /// Alternations of OMPL's simplification steps, ended when one leaves more than this part of the
   /// path's length.
   int simplification_rounds = 6;
