@@ -236,7 +236,8 @@ class AfterImpact {
   const ContactCase subject_;
 };
 
-/// Side by side from three on: runs beside each other take as long as two single ones.
+/// Side by side from three on: runs beside each other take as long as two single ones. They differ
+/// by rounding, which the margins of a first run hide, however many are judged together.
 std::vector<AfterContact> first_runs_of(const std::vector<ContactCase>& subjects,
                                         const PostImpactSpec& spec, const Controller& controller,
                                         const std::vector<SimulationOptions>& options) {
@@ -261,7 +262,8 @@ AfterContact motion_to_horizon(const CaptureProblem& problem, const ContactCase&
     options.step = FirstRun::longest_step;
     AfterContact run = simulate_after_contact(subject, spec, controller, options);
     const SimulationSummary& summary = run.simulation.summary;
-    if (stop.reached() || largest_step_angle(spec, summary) <= FirstRun::step_angle) return run;
+    const bool is_finished = run.simulation.status == SimulationStatus::Finished;
+    if (!is_finished || largest_step_angle(spec, summary) <= FirstRun::step_angle) return run;
   }
   return simulate_after_contact(subject, spec, controller, judging_options(problem, stop));
 }

@@ -89,14 +89,15 @@ class RatedCurve {
     return out;
   }
 
-  /// The minimum between the neighbours of a bottom, by Brent's method: golden section where a worst
-  /// case has kinks.
+  /// The minimum between the neighbours of a bottom, by Brent's method: golden section where a
+  /// worst case has kinks.
   Eigen::VectorXd minimum_at(std::size_t bottom) const {
     const int bits = static_cast<int>(1 - std::log2(options_.arc));
-    const auto [arc, value] =
-        boost::math::tools::brent_find_minima([this](double at) { return value_on(at); },
-                                              arc_of(bottom, -1), arc_of(bottom, 1), bits);
-    return value < values_[bottom] ? point_on(arc) : curve_.points[bottom].x;
+    const double own = curve_.points[bottom].arc;  // it is exact relative to its argument
+    const auto [off, value] = boost::math::tools::brent_find_minima(
+        [&](double at) { return value_on(own + at); }, arc_of(bottom, -1) - own,
+        arc_of(bottom, 1) - own, bits);
+    return value < values_[bottom] ? point_on(own + off) : curve_.points[bottom].x;
   }
 
   const Eigen::VectorXd& point(std::size_t i) const { return curve_.points[i].x; }

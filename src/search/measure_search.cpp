@@ -102,21 +102,22 @@ struct Solved {
 
 /// The points that are carried to the end, see MeasureSearchOptions::finished.
 /// @param points sorted by value
+/// @param worth part of the best value that touches nothing beyond which none is
 std::vector<const Point*> worth_finishing(const Formulation& formulation,
                                           const std::vector<Point>& points,
                                           const std::function<bool(const Configuration&)>& is_free,
-                                          const MeasureSearchOptions& options) {
+                                          double worth, const MeasureSearchOptions& options) {
   std::vector<const Point*> out;
   int best = 0, free = 0;
   double most = kInfinity;
   for (const Point& point : points) {
     const bool is_best = best < options.finished;
-    if ((!is_best && free == options.finished_free) || point.value > most) break;
+    if ((!is_best && free >= options.finished_free) || point.value > most) break;
     const bool touches = is_free && !is_free(formulation.configuration(point.x));
     if (is_best || !touches) out.push_back(&point);
     best += is_best ? 1 : 0;
     if (touches) continue;
-    if (free++ == 0) most = options.worth_finishing * point.value;
+    if (free++ == 0) most = worth * std::max(point.value, options.zero * options.zero / 2);
   }
   return out;
 }
@@ -197,9 +198,8 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     out.stopped = for_each_index(jobs, count, solve.stop, work, take) < count || out.stopped;
   };
   approach(starts.postures, true);
-  // Solutions of the nominal problem lie in valleys of their own. With the worst directions alone
-  // a solve leaves them, for others: with those on the rim half of the seeds of iiwa_cone miss its
-  // best minimum.
+  // Solutions of the nominal problem lie in valleys of their own. Without directions on the rim a
+  // solve leaves them, for others: with them half of the seeds of iiwa_cone miss its best minimum.
   const int rim_directions = std::exchange(limits.rim_directions, 0);
   approach(starts.solutions, true);
   limits.rim_directions = rim_directions;
@@ -224,7 +224,10 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     }
     approach(more(round), true);
   }
-  approached = distinct(formulation, std::move(approached), options.apart);
+  // Of samples nothing was solved: starts tell little of where a solve ends.
+  const bool are_ends = out.solver_calls > 0;
+  approached =
+      distinct(formulation, std::move(approached), are_ends ? options.apart : options.same_basin);
 
   std::vector<Point> minima;
   const auto keep = [&](const MeasureSolution& solution, std::optional<Point> point) {
@@ -235,8 +238,8 @@ MeasureMinima measure_minima(const Formulation& formulation, Measure& measure,
     minima = distinct(formulation, std::move(minima), options.same_minimum);
   };
   if (!stopped()) {
-    const std::vector<const Point*> from =
-        worth_finishing(formulation, approached, is_free, options);
+    const std::vector<const Point*> from = worth_finishing(
+        formulation, approached, is_free, are_ends ? options.worth_finishing : kInfinity, options);
     std::vector<Solved<MeasureSolution>> solved(from.size());
     const auto work = [&](int i) {
       auto& [solution, end] = solved[static_cast<std::size_t>(i)];

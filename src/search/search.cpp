@@ -272,9 +272,12 @@ class Search {
     MoreStarts more;
     if (in_rounds) more = [this](int round) { return postures_.fresh(round); };
     const MeasureStarts from = first_starts(in_rounds);
+    // A long list is stated where many candidates may fail later on.
+    MeasureSearchOptions effort = options_.minima;
+    effort.finished_free = std::max(effort.finished_free, options_.max_candidates / 2);
     const MeasureMinima found =
         measure_minima(formulation_, measure_, solves_.optimizer(), solves_.limits(last_start_),
-                       from, more, options_.is_free, options_.seed, jobs_, options_.minima);
+                       from, more, options_.is_free, options_.seed, jobs_, effort);
     out_.solver_calls[options_.optimizer] += found.solver_calls;
     out_.stopped = out_.stopped || found.stopped;
     if (in_rounds) out_.unseen = found.is_zero ? 0 : std::exp(-found.reached);

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <thread>
 
 #include <stillbase/formulation/measures/robust.hpp>
 
@@ -103,20 +104,26 @@ TEST_CASE("every maximum over a cone or a wedge is one, seen from all sides") {
 
 TEST_CASE("maxima over one cone do not depend on the cones before") {
   Random random(37);
-  CaptureProblem problem = tumbling_problem(random, random_robot(random, 7, false));
-  const auto worst_over = [&](double half_angle) {
-    problem.uncertainty.cone_half_angle = half_angle;
+  const RobotModel robot = random_robot(random, 7, false);
+  CaptureProblem round = tumbling_problem(random, robot);
+  CaptureProblem wedge = point_mass_problem(robot, random.unit_vector());
+  wedge.uncertainty.cone_plane_normal = wedge.impulse.direction->unitOrthogonal();
+  for (int trial = 0; trial < 30; ++trial) {
+    CaptureProblem problem = trial % 3 == 2 ? wedge : round;
+    problem.uncertainty.cone_half_angle = 0.05 * (1 + trial * 7 % 10);
     const Formulation formulation(problem);
-    return worst_case(problem, formulation,
-                      formulation.configuration(formulation.start_point(
-                          low_discrepancy_point(1, formulation.num_variables(), 9))))
-        .value;
-  };
-  const double wide = worst_over(0.4), narrow = worst_over(0.1), none = worst_over(0);
-  CHECK(wide > narrow);
-  CHECK(narrow > none);
-  CHECK(worst_over(0.1) == narrow);
-  CHECK(worst_over(0.4) == wide);
+    const Configuration at = formulation.configuration(
+        formulation.start_point(low_discrepancy_point(trial, formulation.num_variables(), 9)));
+    std::vector<ConeMaximum> alone;  // of a thread that knows of no other cone
+    std::thread([&] { alone = cone_maxima(problem, formulation, at); }).join();
+    const std::vector<ConeMaximum> maxima = cone_maxima(problem, formulation, at);
+    INFO("trial " << trial);
+    REQUIRE(maxima.size() == alone.size());
+    for (std::size_t i = 0; i < maxima.size(); ++i) {
+      CHECK(maxima[i].value == alone[i].value);
+      CHECK(maxima[i].scenario.direction == alone[i].scenario.direction);
+    }
+  }
 }
 
 TEST_CASE("a worst direction is stationary to more digits than its value tells") {

@@ -48,7 +48,7 @@ TEST_CASE("minima that touch nothing are listed where better ones touch somethin
   options.minima.finished_free = 8;
   const double with_free = least_off_limit(search(problem, formulation, options));
   CHECK(with_free == Approx(0.0430285086).epsilon(1e-6));
-  options.minima.finished_free = 0;
+  options.is_free = [](const Configuration&) { return false; };
   CHECK(least_off_limit(search(problem, formulation, options)) > 1.01 * with_free);
 }
 

@@ -99,8 +99,9 @@ struct ApproachToAny {
   std::vector<int> base_hits = {};
 };
 
-/// Plans the approach to any of several configurations, the best one first. One run of the planner
-/// goes for all of them, each with its own poses of base and target. The first goal that a feasible
+/// Plans the approach to any of several configurations, the best one first. A short run of the
+/// planner goes for the best one, another for all of them, each with its own poses of base and
+/// target (not `reaction-null`, which goes for all at once). The first goal that a feasible
 /// motion reaches is taken; a goal that two infeasible motions reached is left out. Not for a
 /// floating base with a stated start.
 ///

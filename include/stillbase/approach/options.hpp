@@ -12,8 +12,8 @@ namespace stillbase {
 struct PathPlannerOptions {
   /// Edge length of the trees: small beside a joint's range, large beside the resolution.
   double tree_range = 0.5;
-  /// Iterations of planners that improve a path, after their first solution. Simplification and
-  /// polish do the remainder.
+  /// Iterations of planners that improve a path, after their first solution, within those they
+  /// have. Simplification and polish do the remainder.
   int improvement_iterations = 500;
   /// To the best of several goals by itself, before all are gone for: of these a planner reaches
   /// the one that is easiest to reach.

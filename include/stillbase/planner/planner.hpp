@@ -89,7 +89,8 @@ struct PlannerOptions {
 /// collision when nothing touches but the hand and the contact feature, at the contact and while
 /// the target comes in during the wait. Goals of the approach, in this order:
 /// 1. all good candidates (`approach.goal_factor`) that are free of collision and keep the
-///    problem's post-impact limits under its first controller, at once;
+///    problem's post-impact limits under its first controller, at once, but the best of them by
+///    itself as long as that takes little;
 /// 2. those together with samples of their self-motion at the contact (`approach.goal_samples`).
 ///    A sample that is reached is certified and becomes the last candidate, reached by no start;
 /// 3. the good candidates one by one;

@@ -31,7 +31,8 @@ namespace stillbase {
 
 /// What a plan states of the time after its impact.
 struct AfterImpactAccount {
-  /// motion_after_horizon() under the problem's first controller.
+  /// motion_after_horizon() under the problem's first controller, but for rounding: slow motions
+  /// are integrated by fixed steps.
   std::optional<AfterHorizon> motion;
   /// The momentum after the contact, what it takes to manage it under the problem's first
   /// controller, and how much of each limit is used. Nothing for a problem without a target.

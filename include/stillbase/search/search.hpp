@@ -57,7 +57,7 @@ struct MeasureSearchOptions {
   double apart = 0.3;  ///< rad, between two of them: nearer ones mostly end at the same minimum
   int flips = 48;      ///< solves in other branches of the best minima, which often differ by a
                        ///< percent only
-  double same_basin = 0.02;    ///< rad: rough points this near end at the same minimum
+  double same_basin = 0.02;    ///< rad: places this near lead to the same minimum
   double same_minimum = 1e-3;  ///< rad: finished ones
   double promising = 1.05;     ///< of the best |y|^2: minima whose other branches are tried
   double worth_a_solve = 1.5;  ///< of the best |y|^2: branches that are solved
@@ -97,7 +97,8 @@ struct SearchOptions {
   std::uint64_t seed = 1;
   int max_candidates = 32;
   std::vector<Eigen::VectorXd> more_starts;  ///< points to start from as well (N each)
-  /// Whether a configuration touches nothing; may be empty. Where solutions form a curve, the best
+  /// Whether a configuration touches nothing; may be empty. Minima of the measure that touch
+  /// nothing are carried to the end beside better ones, and where solutions form a curve, the best
   /// of those that touch nothing are listed as well. Several threads may call it.
   std::function<bool(const Configuration&)> is_free;
   /// Called after every start with (done, total), one call at a time, on any thread that works; may
@@ -113,7 +114,8 @@ struct SearchOptions {
                                   ///< sequential quadratic programming, an interior point seldom
   double far = 0.25;  ///< m, beyond the clearance: such distances are left out of local solves. A
                       ///< long step may end within such a body; the next one has its row
-  int max_evaluations = 1000;  ///< of a local solve, which needs about 40: creeping is cut off
+  int max_evaluations = 1000;  ///< of a local solve, which needs about 40: creeping is cut off,
+                               ///< that of a worst case by MeasureOptions::evaluations
   int max_simulated_evaluations = 200;  ///< the same of a simulated objective
   int max_rescue_evaluations = 100;     ///< it is close; one costs ten times one of sqp
   int rescued_minima = 2;               ///< the best, where the solver stopped short

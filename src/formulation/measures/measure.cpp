@@ -236,7 +236,9 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
                                 const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
   MeasureSolution out{x0, 0};
   nlp::OptimizeOptions solve = options;
-  solve.max_evaluations = std::min(options.max_evaluations, options_.evaluations);
+  if (formulation_.parts().differenced.empty()) {
+    solve.max_evaluations = std::min(options.max_evaluations, options_.evaluations);
+  }
   std::vector<ConeMaximum> worst = maxima_at(x0);
   for (int round = 0; round < options_.rounds; ++round) {
     const double scale = half_square(worst.front().value);

@@ -45,9 +45,9 @@ struct RoughLimits {
   /// Measure beyond which a start is given up: what it reached over the directions so far exceeds
   /// it, and over the cone its minimum is no less than over these.
   double hopeless = kInfinity;
-  /// On the rim, beside the worst ones, in every solve with fixed directions. With the worst ones
-  /// alone the solve would leave for places where others are worse: from 0.1 rad off a minimum over
-  /// a cone of 20 deg one of 30 solves comes back to it, with eight directions 26.
+  /// On the rim, beside the worst ones, from the first solve on; 0: none. Without them it leaves
+  /// for places where others are worse: from 0.1 rad off a minimum over a cone of 20 deg one of 30
+  /// solves comes back to it, with eight directions 26.
   int rim_directions = 8;
 };
 
@@ -55,7 +55,7 @@ struct RoughLimits {
 struct MeasureOptions {
   int rounds = 6;  ///< of a local solve and a new set of directions
   /// Of a solve with directions that follow the maxima, which needs 10 to 100: a thousand without a
-  /// way down take as long as all others of a search.
+  /// way down take as long as all others of a search. Not where each is simulated.
   int evaluations = 120;
   double near = 1e-2;  ///< relative excess at which the directions hardly change any more
   double counting_maximum = 0.25;  ///< of the worst |y|^2: smaller maxima do not count yet

@@ -220,7 +220,6 @@ void ConeSearch::scan(const DirectionModel& model) {
     if (is_new || directions_.rows() == 0) set_directions();
     return model.squares(directions_, squares_);
   }
-  directions_.resize(0, 3);
   squares_.resize(count_);
   for (std::size_t i = 0; i < count_; ++i) {
     const double value = model.value(place(i));
@@ -346,10 +345,11 @@ const std::vector<ConePlace>& ConeSearch::maxima(const DirectionModel& model) {
 
 namespace {
 
-/// That of this thread: a search asks for thousands of maxima over one cone.
-ConeSearch& cone_search() {
-  static thread_local ConeSearch search;
-  return search;
+/// That of this thread, since a search asks for thousands of maxima over one cone; `own` where a
+/// value may call the user, and the user this.
+ConeSearch& search_of(const DirectionModel& model, ConeSearch& own) {
+  static thread_local ConeSearch kept;
+  return model.is_linear() ? kept : own;
 }
 
 }  // namespace
@@ -361,7 +361,8 @@ WorstCase worst_case(const CaptureProblem& problem, const Formulation& formulati
     return {value, formulation.encounter(configuration).F.head<3>(), true};
   }
   const DirectionModel model(problem, formulation, configuration);
-  const Place worst = cone_search().maxima(model).front();
+  ConeSearch own;
+  const Place worst = search_of(model, own).maxima(model).front();
   return {formulation.objective_power().value(worst.value), model.direction(worst.c),
           model.is_complete()};
 }
@@ -370,8 +371,9 @@ std::vector<ConeMaximum> cone_maxima(const CaptureProblem& problem, const Formul
                                      const Configuration& configuration) {
   if (has_residual(problem)) return ellipsoid_maxima(problem, formulation, configuration);
   const DirectionModel model(problem, formulation, configuration);
+  ConeSearch own;
   std::vector<ConeMaximum> out;
-  for (const Place& place : cone_search().maxima(model)) {
+  for (const Place& place : search_of(model, own).maxima(model)) {
     ConeMaximum maximum{formulation.nominal_scenario(),
                         formulation.objective_power().value(place.value)};
     maximum.scenario.direction =
