@@ -6,8 +6,6 @@
 #include <mutex>
 #include <optional>
 
-#include <boost/math/tools/minima.hpp>
-
 #include <stillbase/core/parallel.hpp>
 #include <stillbase/formulation/measures/robust.hpp>
 
@@ -89,15 +87,24 @@ class RatedCurve {
     return out;
   }
 
-  /// The minimum between the neighbours of a bottom, by Brent's method: golden section where a
-  /// worst case has kinks.
+  /// The minimum between the neighbours of a bottom: golden section, since a worst case has kinks.
   Eigen::VectorXd minimum_at(std::size_t bottom) const {
-    const int bits = static_cast<int>(1 - std::log2(options_.arc));
-    const double own = curve_.points[bottom].arc;  // it is exact relative to its argument
-    const auto [off, value] = boost::math::tools::brent_find_minima(
-        [&](double at) { return value_on(own + at); }, arc_of(bottom, -1) - own,
-        arc_of(bottom, 1) - own, bits);
-    return value < values_[bottom] ? point_on(own + off) : curve_.points[bottom].x;
+    constexpr double kGolden = 0.6180339887498949;
+    double low = arc_of(bottom, -1), high = arc_of(bottom, 1);
+    double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+    double at_a = value_on(a), at_b = value_on(b);
+    while (high - low > options_.arc) {
+      if (at_a <= at_b) {
+        high = b, b = a, at_b = at_a;
+        a = high - kGolden * (high - low), at_a = value_on(a);
+      } else {
+        low = a, a = b, at_a = at_b;
+        b = low + kGolden * (high - low), at_b = value_on(b);
+      }
+    }
+    const double arc = at_a <= at_b ? a : b;
+    const bool is_better = std::min(at_a, at_b) < values_[bottom];
+    return is_better ? point_on(arc) : curve_.points[bottom].x;
   }
 
   const Eigen::VectorXd& point(std::size_t i) const { return curve_.points[i].x; }
