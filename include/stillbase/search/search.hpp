@@ -69,8 +69,8 @@ struct MeasureSearchOptions {
   int least_rounds = 8;  ///< what the first starts end at may be a wide valley: with half of these
                          ///< rounds five seeds of twenty miss the deeper one of iiwa_cone, with all
                          ///< of them one
-  int most_rounds = 20;  ///< of 40 random problems, with all these numbers, a search takes three
-                         ///< times the time of one without rounds on average, and up to seven times
+  int most_rounds = 20;  ///< of 40 random problems, with all these numbers, a search takes five
+                         ///< times the time of one without rounds on average, and up to 15 times
   double zero = kZeroObjective;  ///< |y|, in typical sizes: nothing is better than that
   int enough = 8;                ///< starts that end at the best minimum end the rounds: five are
                                  ///< sometimes those of a wide valley beside a deeper one
@@ -115,7 +115,7 @@ struct SearchOptions {
   double far = 0.25;  ///< m, beyond the clearance: such distances are left out of local solves. A
                       ///< long step may end within such a body; the next one has its row
   int max_evaluations = 1000;  ///< of a local solve, which needs about 40: creeping is cut off,
-                               ///< that of a worst case by MeasureOptions::evaluations
+                               ///< after 120 where worst directions are followed
   int max_simulated_evaluations = 200;  ///< the same of a simulated objective
   int max_rescue_evaluations = 100;     ///< it is close; one costs ten times one of sqp
   int rescued_minima = 2;               ///< the best, where the solver stopped short

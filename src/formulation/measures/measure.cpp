@@ -185,12 +185,13 @@ std::vector<ConeMaximum> Measure::maxima_at(const Eigen::VectorXd& x) const {
   return cone_maxima(problem_, formulation_, formulation_.configuration(x));
 }
 
+bool Measure::is_closed_form() const { return formulation_.parts().differenced.empty(); }
+
 std::vector<Scenario> Measure::first_directions(const std::vector<ConeMaximum>& worst,
                                                 int rim_directions) const {
   // Where each direction is simulated the worst ones alone have to do.
-  const bool is_cheap = formulation_.parts().differenced.empty();
   std::vector<Scenario> out;
-  if (is_cheap) out = outer_scenarios(problem_, rim_directions);
+  if (is_closed_form()) out = outer_scenarios(problem_, rim_directions);
   for (const Scenario& scenario : scenarios_of(worst)) out.push_back(scenario);
   return out;
 }
@@ -236,7 +237,7 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
                                 const nlp::OptimizeOptions& options, const Eigen::VectorXd& x0) {
   MeasureSolution out{x0, 0};
   nlp::OptimizeOptions solve = options;
-  if (formulation_.parts().differenced.empty()) {
+  if (is_closed_form()) {
     solve.max_evaluations = std::min(options.max_evaluations, options_.evaluations);
   }
   std::vector<ConeMaximum> worst = maxima_at(x0);

@@ -115,6 +115,8 @@ class Measure {
   std::vector<Scenario> first_directions(const std::vector<ConeMaximum>& worst,
                                          int rim_directions) const;
   std::vector<ConeMaximum> maxima_at(const Eigen::VectorXd& x) const;
+  /// Whether no direction has to be simulated.
+  bool is_closed_form() const;
   /// 1/2 |y|^2 / unit^2 at a value of the objective.
   double half_square(double value) const;
   double sampled_value(const Eigen::VectorXd& x);
