@@ -97,7 +97,7 @@ int DenseQp::row(double b, bool is_equation) {
   const int row = rows_++;
   b_[row] = b;
   bounded_[static_cast<std::size_t>(row)] = -1;
-  normals_.col(row).segment(n_, padded_ - n_).setZero();
+  std::fill_n(normals_.col(row).data() + n_, padded_ - n_, 0.0);
   if (is_equation) equations_ = rows_;
   return row;
 }
@@ -109,7 +109,7 @@ Eigen::Ref<Eigen::VectorXd> DenseQp::add_row(double b, bool is_equation) {
 void DenseQp::add_bound(int variable, double sign, double b) {
   const int bound = row(b, false);
   bounded_[static_cast<std::size_t>(bound)] = variable;
-  normals_.col(bound).head(n_).setZero();
+  std::fill_n(normals_.col(bound).data(), n_, 0.0);
   normals_(variable, bound) = sign;
 }
 
@@ -279,7 +279,8 @@ DenseQp::Outcome DenseQp::solve() {
     return Outcome::NotConvex;
   }
   for (int row = 0; row < rows_; ++row) {
-    if (!are_finite(normals_.col(row).head(padded_))) return Outcome::NotConvex;
+    const bool is_bound = bounded_[static_cast<std::size_t>(row)] >= 0;
+    if (!is_bound && !are_finite(normals_.col(row).head(padded_))) return Outcome::NotConvex;
   }
   size_ = 0;
   largest_pivot_ = 1;

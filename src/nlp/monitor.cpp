@@ -32,7 +32,23 @@ Monitor::Monitor(const Problem& problem, const OptimizeOptions& options, bool wi
       constraint_lower_(problem.constraint_lower()),
       constraint_upper_(problem.constraint_upper()),
       trial_(problem.num_variables()),
-      multipliers_(problem.num_constraints()) {}
+      multipliers_(problem.num_constraints()) {
+  std::vector<std::unique_ptr<Memory>>& unused = unused_memory();
+  unused.reserve(2);  // of a solve and one within it
+  if (unused.empty()) unused.push_back(std::make_unique<Memory>());
+  memory_ = std::move(unused.back());
+  unused.pop_back();
+}
+
+Monitor::~Monitor() {
+  std::vector<std::unique_ptr<Memory>>& unused = unused_memory();
+  if (unused.size() < unused.capacity()) unused.push_back(std::move(memory_));
+}
+
+std::vector<std::unique_ptr<Monitor::Memory>>& Monitor::unused_memory() {
+  static thread_local std::vector<std::unique_ptr<Memory>> unused;
+  return unused;
+}
 
 bool Monitor::may_go_on() {
   if (stopped()) return false;
@@ -59,7 +75,9 @@ void Monitor::run_model(Point& point, bool with_derivatives) {
   if (with_derivatives) {
     ++gradient_evaluations_;
     e.far = far_;
+    std::swap(e.workspace, memory_->workspace);
     problem_.evaluate(point.x, e);
+    std::swap(e.workspace, memory_->workspace);
   } else {
     problem_.evaluate_value(point.x, e);
   }
@@ -86,9 +104,8 @@ void Monitor::run_model(Point& point, bool with_derivatives) {
 
 const Monitor::Point* Monitor::find_known(const Eigen::VectorXd& x) const {
   // Newest first: it is asked for once per callback.
-  for (std::size_t back = 1; back <= recent_.size(); ++back) {
-    const Point& point = recent_[(next_ + recent_.size() - back) % recent_.size()];
-    if (is_same(x, point.x)) return &point;
+  for (std::size_t back = 1; back <= known(); ++back) {
+    if (is_same(x, recent(back).x)) return &recent(back);
   }
   return is_same(x, best_.x) ? &best_ : nullptr;
 }
@@ -138,8 +155,7 @@ const Evaluation* Monitor::evaluate(const double* x) noexcept {
     }
     if (!may_go_on()) return nullptr;
     repeats_in_a_row_ = 0;
-    Point& point = recent_[next_];
-    next_ = (next_ + 1) % recent_.size();
+    Point& point = next();
     point.x = trial_;
     run_model(point, with_derivatives_);
     keep_if_best(point);
@@ -169,7 +185,7 @@ bool Monitor::lagrangian_hessian(const double* x, double sigma, const double* mu
 
 bool Monitor::evaluate_start(const Eigen::VectorXd& x) noexcept {
   try {
-    Point& point = recent_[next_++];
+    Point& point = next();
     point.x = x;
     run_model(point, true);
     keep_if_best(point);

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <exception>
+#include <memory>
 #include <stillbase/nlp/optimizer.hpp>
+#include <vector>
 
 namespace stillbase::nlp {
 
@@ -22,6 +25,9 @@ class Monitor {
   /// what the solver may use.
   Monitor(const Problem& problem, const OptimizeOptions& options, bool with_derivatives,
           int max_evaluations);
+  Monitor(const Monitor&) = delete;
+  Monitor& operator=(const Monitor&) = delete;
+  ~Monitor();
 
   /// From now on the solver is stopped at a point, as good as the best one, whose violation and KKT
   /// residual are OptimizeOptions::certain of the tolerances; that point is then the best one.
@@ -75,8 +81,8 @@ class Monitor {
   /// objective of at most `limit`, newest first, until it returns true.
   template <class Visit>
   void visit_recent(double limit, Visit visit) const {
-    for (std::size_t back = 1; back <= recent_.size(); ++back) {
-      const Point& point = recent_[(next_ + recent_.size() - back) % recent_.size()];
+    for (std::size_t back = 1; back <= known(); ++back) {
+      const Point& point = recent(back);
       const bool fits = point.valid && point.has_derivatives && point.feasible;
       if (fits && point.evaluation.objective <= limit && visit(point.x, point.evaluation)) return;
     }
@@ -102,6 +108,23 @@ class Monitor {
     bool feasible = false;
     double violation_squared = kInfinity;
   };
+  /// What is kept of a solve for the next one on this thread, so that it need not allocate.
+  struct Memory {
+    // Solvers ask for one point in several callbacks, and line searches and restoration phases come
+    // back to points of some steps ago (13 seen with ipopt, 26 in a cycle of nlopt-auglag-mma).
+    std::array<Point, 32> recent;
+    Workspace workspace;  ///< one for all points
+  };
+  static std::vector<std::unique_ptr<Memory>>& unused_memory();
+
+  /// Points of late that are kept.
+  std::size_t known() const { return std::min(taken_, memory_->recent.size()); }
+  /// The one that was evaluated last for 1, and so on.
+  const Point& recent(std::size_t back) const {
+    return memory_->recent[(taken_ - back) % memory_->recent.size()];
+  }
+  /// The slot of the next one.
+  Point& next() { return memory_->recent[taken_++ % memory_->recent.size()]; }
 
   bool may_go_on();
   void keep_exception();  // in a handler only
@@ -118,10 +141,8 @@ class Monitor {
   const Eigen::VectorXd lower_, upper_, constraint_lower_, constraint_upper_;
 
   Eigen::VectorXd trial_, multipliers_;
-  // Solvers ask for one point in several callbacks, and line searches and restoration phases come
-  // back to points of some steps ago (13 seen with ipopt, 26 in a cycle of nlopt-auglag-mma).
-  std::array<Point, 32> recent_;
-  std::size_t next_ = 0;  // the slot of recent_ that is overwritten next
+  std::unique_ptr<Memory> memory_;
+  std::size_t taken_ = 0;  // slots of memory_, used again and again
   Point best_;
   Certificate certificate_;
   double worst_objective_ = -kInfinity;

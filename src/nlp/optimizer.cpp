@@ -103,7 +103,7 @@ class ViolationProblem final : public Problem {
   Eigen::VectorXd constraint_upper() const override { return {}; }
 
   void evaluate(const Eigen::VectorXd& x, Evaluation& out) const override {
-    auto& inner = out.workspace_as<Evaluation>();
+    auto& inner = out.workspace.as<Evaluation>();
     problem_.evaluate(x, inner);
     const Eigen::VectorXd violation =
         signed_violation(inner.constraints, constraint_lower_, constraint_upper_);

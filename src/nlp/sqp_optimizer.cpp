@@ -105,15 +105,15 @@ class Descent {
       if (!arrived) return Ended::NoDescent;
       std::swap(here_, trial_);  // now the one before
       if (watch_.is_stuck()) return Ended::Stuck;
-      const Eigen::VectorXd moved = here_.x - trial_.x;
+      moved_ = here_.x - trial_.x;
       const double visible = kSqp.step * (1 + here_.x.lpNorm<Eigen::Infinity>());
-      if (hidden_ > kSqp.hidden || moved.lpNorm<Eigen::Infinity>() <= visible) {
+      if (hidden_ > kSqp.hidden || moved_.lpNorm<Eigen::Infinity>() <= visible) {
         if (is_at_kink()) return Ended::Kink;
         if (++resets > kSqp.resets || !go_on_since(last)) return Ended::StepLost;
         continue;
       }
       cuts_.follow(trial_, here_, multipliers_);
-      update_curvature(moved);
+      update_curvature();
     }
   }
 
@@ -283,8 +283,8 @@ class Descent {
     int corrections = 0;
     for (int i = 0;; ++i) {
       const bool is_last = i >= kSqp.halvings;
-      if (!look_at((here_.x + part * step_).cwiseMax(monitor_.lower()).cwiseMin(monitor_.upper()),
-                   trial_)) {
+      end_ = (here_.x + part * step_).cwiseMax(monitor_.lower()).cwiseMin(monitor_.upper());
+      if (!look_at(end_, trial_)) {
         if (monitor_.stopped() || is_last) return false;
         part *= kSqp.shortest;
         continue;
@@ -336,8 +336,11 @@ class Descent {
     return false;
   }
 
-  void update_curvature(const Eigen::VectorXd& moved) {
-    Eigen::VectorXd y = here_.at.gradient - trial_.at.gradient;
+  /// By the step from trial_ to here_.
+  void update_curvature() {
+    const Eigen::VectorXd& moved = moved_;
+    Eigen::VectorXd &y = slopes_, &Bd = Bd_;
+    y = here_.at.gradient - trial_.at.gradient;
     for (std::size_t i = 0; i < sides_.size(); ++i) {
       const double u = multipliers_[static_cast<Eigen::Index>(i)];
       if (u == 0) continue;
@@ -347,7 +350,7 @@ class Descent {
       const double weight = u * sides_[i].sign;
       y -= weight * (here_.at.jacobian.row(row) - trial_.at.jacobian.row(row)).transpose();
     }
-    const Eigen::VectorXd Bd = B_ * moved;
+    Bd.noalias() = B_.lazyProduct(moved);
     const double dBd = moved.dot(Bd);
     double dy = moved.dot(y);
     if (!(dBd > 0)) return;
@@ -370,10 +373,11 @@ class Descent {
   std::vector<Eigen::Index> rows_;  ///< the sides of the quadratic program's rows
   const int n_;
   DenseQp qp_;
-  Eigen::VectorXd penalties_;    ///< of the merit function
-  Eigen::VectorXd multipliers_;  ///< of the rows at the iterate
-  Eigen::VectorXd sums_;         ///< of their sizes, those of cuts included
-  Eigen::VectorXd step_;
+  Eigen::VectorXd penalties_;            ///< of the merit function
+  Eigen::VectorXd multipliers_;          ///< of the rows at the iterate
+  Eigen::VectorXd sums_;                 ///< of their sizes, those of cuts included
+  Eigen::VectorXd step_, end_;           ///< of the quadratic program; where it leads to
+  Eigen::VectorXd moved_, slopes_, Bd_;  ///< of an update of B: d, the change of the slope, B d
   SqpPoint here_, trial_;
   KinkCuts cuts_;
   Eigen::MatrixXd B_;

@@ -101,7 +101,7 @@ class DistanceAmongZeros final : public nlp::Problem {
   }
 
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
-    auto& here = out.workspace_as<Workspace>();
+    auto& here = out.workspace.as<Workspace>();
     const nlp::Evaluation& inner = here.inner;
     formulation_.evaluate(x, here.inner);
     formulation_.objective_vector(x, here.y, here.J_y);

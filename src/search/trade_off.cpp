@@ -54,7 +54,7 @@ class LimitedProgram final : public nlp::Problem {
   bool may_have_kinks(int i) const override { return i < m_ && second_.may_have_kinks(i); }
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     second_.evaluate(x, out);
-    auto& of_first = out.workspace_as<nlp::Evaluation>();
+    auto& of_first = out.workspace.as<nlp::Evaluation>();
     first_.evaluate(x, of_first);
     out.constraints = joined(out.constraints, of_first.objective / limit_);
     out.jacobian.conservativeResize(m_ + 1, x.size());
@@ -62,7 +62,7 @@ class LimitedProgram final : public nlp::Problem {
   }
   void evaluate_value(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     second_.evaluate_value(x, out);
-    auto& of_first = out.workspace_as<nlp::Evaluation>();
+    auto& of_first = out.workspace.as<nlp::Evaluation>();
     first_.evaluate_value(x, of_first);
     out.constraints = joined(out.constraints, of_first.objective / limit_);
   }

@@ -18,6 +18,28 @@ namespace stillbase::nlp {
 
 using stillbase::kInfinity;
 
+/// Scratch memory of any type, which goes its own way: copies have none, and an assignment leaves
+/// it as it is.
+class Workspace {
+ public:
+  Workspace() = default;
+  Workspace(const Workspace& /*other*/) {}
+  Workspace(Workspace&&) = default;
+  Workspace& operator=(const Workspace& /*other*/) { return *this; }
+  Workspace& operator=(Workspace&&) = default;
+  ~Workspace() = default;
+
+  /// What is kept as a T, a fresh one when it was none.
+  template <class T>
+  T& as() {
+    if (std::any_cast<T>(&kept_) == nullptr) kept_ = T();
+    return *std::any_cast<T>(&kept_);
+  }
+
+ private:
+  std::any kept_;
+};
+
 /// Values and first derivatives at one point.
 struct Evaluation {
   double objective = 0.0;       ///< f
@@ -27,15 +49,7 @@ struct Evaluation {
   /// Set by the caller: evaluate() may give an inequality that holds by more than this as if it
   /// held by just this, with a zero gradient.
   double far = kInfinity;
-  /// Scratch memory of the problem, kept between calls; copies have their own.
-  std::any workspace;
-
-  /// The workspace as a T, a fresh one when it was none.
-  template <class T>
-  T& workspace_as() {
-    if (std::any_cast<T>(&workspace) == nullptr) workspace = T();
-    return *std::any_cast<T>(&workspace);
-  }
+  Workspace workspace;  ///< of the problem, kept between calls
 };
 
 /// A problem. Every function is a pure function of its arguments: same x, same bytes, from any

@@ -67,7 +67,7 @@ Eigen::VectorXd ScenarioProgram::constraint_upper() const {
 
 const ScenarioEvaluation& ScenarioProgram::evaluate_at(const Eigen::VectorXd& xtz, bool derivatives,
                                                        nlp::Evaluation& out) const {
-  auto& here = out.workspace_as<ScenarioEvaluation>();
+  auto& here = out.workspace.as<ScenarioEvaluation>();
   const Eigen::VectorXd x = xtz.head(n_);
   here.far = derivatives ? out.far : nlp::kInfinity;
   if (follow_ != nullptr) {
