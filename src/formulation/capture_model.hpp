@@ -45,6 +45,9 @@ struct Placement {
 /// The impact of one scenario at one posture.
 template <class S>
 struct ScenarioImpact {
+  // Not defaulted: `{}` would fill kilobytes with zeros.
+  ScenarioImpact() {}  // NOLINT(modernize-use-equals-default)
+
   Encounter<S> encounter;
   ContactRates<S> rates;
   S closing_speed_rate = S(0);        ///< per s of contact time, m/s^2

@@ -239,13 +239,14 @@ void Formulation::evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const
                         &out.jacobian, out.far);
 }
 
-void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alone,
+void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alone, bool with_y,
                                     Eigen::VectorXd& violation, Eigen::MatrixXd& jacobian) const {
   parts_->count(1);
   const CaptureModel& model = parts_->model;
   const auto placement = model.place<double>(x);
-  const auto posture = parts_->posture_of_rows(placement);
-  const auto nominal = parts_->impact_of_rows(placement, posture);
+  const auto posture = with_y ? model.posture(placement) : parts_->posture_of_rows(placement);
+  const auto nominal = with_y ? model.impact(placement, posture, model.nominal)
+                              : parts_->impact_of_rows(placement, posture);
   const ConstraintPoint<double> at{model, placement, posture, nominal};
   const ShapeOrigins origins(parts_->constraints.shapes, at);
   std::vector<const Constraint*> counting;
@@ -260,8 +261,12 @@ void Formulation::evaluate_violated(const Eigen::VectorXd& x, bool equations_alo
     counting.push_back(row);
   }
   const auto count = static_cast<Eigen::Index>(counting.size());
-  violation.resize(count);
-  jacobian.resize(count, x.size());
+  if (with_y) {
+    parts_->add_vector(placement, posture, nominal, count, violation, jacobian);
+  } else {
+    violation.resize(count);
+    jacobian.resize(count, x.size());
+  }
   for (Eigen::Index i = 0; i < count; ++i) {
     const Constraint& row = *counting[static_cast<std::size_t>(i)];
     const double value = row.value_and_gradient(at, jacobian.row(i));
@@ -276,34 +281,54 @@ Scenario Formulation::nominal_scenario() const { return parts_->model.nominal; }
 void Formulation::objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
                                    Eigen::MatrixXd& jacobian) const {
   parts_->count(1);
-  const CaptureModel& model = parts_->model;
-  const auto [at, posture, impact] = NominalPoint(model, x);
-  const double unit = parts_->objective_unit, scale = impact.p / unit;
-  std::vector<double> values;
-  std::vector<Eigen::RowVectorXd> rows;
-  for (const JumpObjective::Term& term : parts_->jump.terms()) {
+  const NominalPoint here(parts_->model, x);
+  parts_->add_vector(here.at, here.posture, here.impact, 0, y, jacobian);
+}
+
+void Formulation::evaluate_vector(const Eigen::VectorXd& x, nlp::Evaluation& out,
+                                  Eigen::VectorXd& y, Eigen::MatrixXd& jacobian) const {
+  parts_->count(1);
+  const NominalPoint here(parts_->model, x);
+  parts_->add_vector(here.at, here.posture, here.impact, 0, y, jacobian);
+  out.objective = y.squaredNorm() / 2;
+  out.gradient.noalias() = jacobian.transpose() * y;
+  out.constraints.resize(num_constraints());
+  out.jacobian.resize(num_constraints(), x.size());
+  parts_->evaluate_rows({parts_->model, here.at, here.posture, here.impact}, out.constraints,
+                        &out.jacobian, out.far);
+}
+
+void Formulation::Parts::add_vector(const Placement<double>& at,
+                                    const PostureImpact<double>& posture,
+                                    const ScenarioImpact<double>& impact, Eigen::Index first,
+                                    Eigen::VectorXd& y, Eigen::MatrixXd& jacobian) const {
+  const double scale = impact.p / objective_unit;
+  Eigen::Index size = first;
+  for (const JumpObjective::Term& term : jump.terms()) {
+    size += JumpObjective::value(term, posture, impact.response).size();
+  }
+  Eigen::VectorXd others;
+  if (!differenced.empty()) {
+    others = differenced.value(model, at.x, model.nominal, objective_unit, simulations_stop);
+  }
+  y.resize(size + others.size());
+  jacobian.resize(y.size(), at.x.size());
+  Eigen::Index row = first;
+  for (const JumpObjective::Term& term : jump.terms()) {
     const JointVectord of_term = JumpObjective::value(term, posture, impact.response);
-    for (Eigen::Index i = 0; i < of_term.size(); ++i) {
+    for (Eigen::Index i = 0; i < of_term.size(); ++i, ++row) {
       ResponseWeights<double> weights;
       const JointVectord u = scale * JointVectord::Unit(of_term.size(), i);
       JumpObjective::add_weights(term, u, posture, impact.response, weights);
-      values.push_back(scale * of_term[i]);
-      rows.emplace_back(x.size());
-      model.compress_into(at, model.scaled_gradient(posture, impact, weights, values.back()),
-                          rows.back());
+      y[row] = scale * of_term[i];
+      model.compress_into(at, model.scaled_gradient(posture, impact, weights, y[row]),
+                          jacobian.row(row));
     }
   }
-  const DifferencedTerms& differenced = parts_->differenced;
-  const StopCondition& stop = parts_->simulations_stop;
-  const auto jumps = static_cast<Eigen::Index>(values.size());
-  const Eigen::VectorXd others = differenced.value(model, x, model.nominal, unit, stop);
-  y.resize(jumps + others.size());
-  y.head(jumps) = Eigen::Map<const Eigen::VectorXd>(values.data(), jumps);
-  y.tail(others.size()) = others;
-  jacobian.resize(y.size(), x.size());
-  for (Eigen::Index i = 0; i < jumps; ++i) jacobian.row(i) = rows[static_cast<std::size_t>(i)];
   if (others.size() == 0) return;
-  jacobian.bottomRows(others.size()) = differenced.jacobian(model, x, model.nominal, unit, stop);
+  y.tail(others.size()) = others;
+  jacobian.bottomRows(others.size()) =
+      differenced.jacobian(model, at.x, model.nominal, objective_unit, simulations_stop);
 }
 
 bool Formulation::has_hessian() const {

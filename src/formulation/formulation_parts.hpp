@@ -41,6 +41,11 @@ struct Formulation::Parts {
   /// Adds what differenced terms are worth to a value and its gradient.
   void add_differenced(const Placement<double>& at, const Scenario& scenario, double& value,
                        GradientRow* gradient) const;
+  /// y of the nominal scenario, divided by its typical size, and its Jacobian below `first` rows
+  /// that are left to be filled in.
+  void add_vector(const Placement<double>& at, const PostureImpact<double>& posture,
+                  const ScenarioImpact<double>& impact, Eigen::Index first, Eigen::VectorXd& y,
+                  Eigen::MatrixXd& jacobian) const;
   /// Posture and nominal impact as far as the rows need them.
   PostureImpact<double> posture_of_rows(const Placement<double>& at) const;
   ScenarioImpact<double> impact_of_rows(const Placement<double>& at,

@@ -1,6 +1,7 @@
 #include "formulation/projection.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <stillbase/core/linear_algebra.hpp>
 
@@ -8,28 +9,9 @@
 
 namespace stillbase {
 
-namespace {
-
-/// Residual and Jacobian of the equations, of the inequalities that are violated, and of y.
-void evaluate_residual(const Formulation& formulation, const Eigen::VectorXd& x, bool with_zero,
-                       bool with_violated, Eigen::VectorXd& r, Eigen::MatrixXd& J) {
-  formulation.evaluate_violated(x, !with_violated, r, J);
-  if (!with_zero) return;
-  Eigen::VectorXd y;
-  Eigen::MatrixXd J_y;
-  formulation.objective_vector(x, y, J_y);
-  const Eigen::Index rows = r.size();
-  r.conservativeResize(rows + y.size());
-  J.conservativeResize(rows + y.size(), Eigen::NoChange);
-  r.tail(y.size()) = y;
-  J.bottomRows(y.size()) = J_y;
-}
-
-}  // namespace
-
 void evaluate_equations(const Formulation& formulation, const Eigen::VectorXd& x, bool with_zero,
                         Eigen::VectorXd& residual, Eigen::MatrixXd& jacobian) {
-  evaluate_residual(formulation, x, with_zero, false, residual, jacobian);
+  formulation.evaluate_violated(x, true, with_zero, residual, jacobian);
 }
 
 Eigen::MatrixXd open_directions(const Formulation& formulation, const Eigen::VectorXd& x,
@@ -63,7 +45,7 @@ ProjectionResult project_onto_constraints(const Formulation& formulation, const 
   ProjectionResult out{x0.cwiseMax(lower).cwiseMin(upper), kInfinity};
   Eigen::VectorXd r, r_trial;
   Eigen::MatrixXd J, J_trial;
-  evaluate_residual(formulation, out.x, zero_objective, true, r, J);
+  formulation.evaluate_violated(out.x, false, zero_objective, r, J);
   int slow = 0;  // steps, the last ones
   for (int iteration = 0; iteration < max_iterations && slow < options.slow_steps; ++iteration) {
     if (r.size() == 0 || r.cwiseAbs().maxCoeff() < exact) break;
@@ -76,11 +58,11 @@ ProjectionResult project_onto_constraints(const Formulation& formulation, const 
     bool accepted = false;
     for (int halving = 0; halving < options.halvings; ++halving, alpha /= 2) {
       const Eigen::VectorXd trial = (out.x + alpha * step).cwiseMax(lower).cwiseMin(upper);
-      evaluate_residual(formulation, trial, zero_objective, true, r_trial, J_trial);
+      formulation.evaluate_violated(trial, false, zero_objective, r_trial, J_trial);
       if (r_trial.squaredNorm() < before) {
         out.x = trial;
-        r = r_trial;
-        J = J_trial;
+        std::swap(r, r_trial);
+        std::swap(J, J_trial);
         accepted = true;
         break;
       }

@@ -103,8 +103,7 @@ class DistanceAmongZeros final : public nlp::Problem {
   void evaluate(const Eigen::VectorXd& x, nlp::Evaluation& out) const override {
     auto& here = out.workspace.as<Workspace>();
     const nlp::Evaluation& inner = here.inner;
-    formulation_.evaluate(x, here.inner);
-    formulation_.objective_vector(x, here.y, here.J_y);
+    formulation_.evaluate_vector(x, here.inner, here.y, here.J_y);
     const Eigen::VectorXd away = x - start_;
     out.gradient = weights_.cwiseProduct(away);
     out.objective = away.dot(out.gradient) / 2;

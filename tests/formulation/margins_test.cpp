@@ -269,7 +269,7 @@ TEST_CASE("violations are those of all rows, whatever was not evaluated for them
       }
       Eigen::VectorXd found;
       Eigen::MatrixXd jacobian;
-      formulation.evaluate_violated(x, equations_alone, found, jacobian);
+      formulation.evaluate_violated(x, equations_alone, false, found, jacobian);
       REQUIRE(found.size() == static_cast<Eigen::Index>(rows.size()));
       CHECK(found == violation(rows));
       CHECK(jacobian == all.jacobian(rows, Eigen::all));

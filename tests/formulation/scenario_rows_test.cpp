@@ -38,7 +38,7 @@ TEST_CASE("rows beside many scenarios, and violated ones alone, are those of the
 
       Eigen::VectorXd violation;
       Eigen::MatrixXd jacobian;
-      formulation.evaluate_violated(x, false, violation, jacobian);
+      formulation.evaluate_violated(x, false, false, violation, jacobian);
       const Eigen::VectorXd lower = formulation.constraint_lower();
       const Eigen::VectorXd upper = formulation.constraint_upper();
       const Eigen::VectorXd all = nlp::signed_violation(alone.constraints, lower, upper);

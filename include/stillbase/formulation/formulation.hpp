@@ -85,8 +85,9 @@ class Formulation final : public nlp::Problem {
                           bool derivatives, ScenarioEvaluation& out) const;
   /// Of the equations and, unless they alone are asked for, of the inequalities that do not hold:
   /// how far they are off, signed, with the Jacobian (rows x N).
-  void evaluate_violated(const Eigen::VectorXd& x, bool equations_alone, Eigen::VectorXd& violation,
-                         Eigen::MatrixXd& jacobian) const;
+  /// @param with_y whether objective_vector() follows below them
+  void evaluate_violated(const Eigen::VectorXd& x, bool equations_alone, bool with_y,
+                         Eigen::VectorXd& violation, Eigen::MatrixXd& jacobian) const;
   /// Values of many scenarios at many points (points x scenarios), several at a time in the lanes
   /// of wide registers: for screening, not for solving.
   Eigen::MatrixXd evaluate_points(const std::vector<Eigen::VectorXd>& points,
@@ -112,6 +113,9 @@ class Formulation final : public nlp::Problem {
   /// with its Jacobian (size of y x N).
   void objective_vector(const Eigen::VectorXd& x, Eigen::VectorXd& y,
                         Eigen::MatrixXd& jacobian) const;
+  /// evaluate() and objective_vector() in one, the gradient from J_y' y.
+  void evaluate_vector(const Eigen::VectorXd& x, nlp::Evaluation& out, Eigen::VectorXd& y,
+                       Eigen::MatrixXd& jacobian) const;
   /// Typical size of y by which the objective is divided.
   double objective_unit() const;
   /// How the objective's value follows from |y|.
