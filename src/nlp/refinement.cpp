@@ -8,6 +8,8 @@
 #include <stillbase/core/linear_algebra.hpp>
 #include <stillbase/nlp/certificate.hpp>
 
+#include "nlp/restoration.hpp"
+
 namespace stillbase::nlp {
 
 namespace {
@@ -172,8 +174,7 @@ class Refinement {
     Eigen::VectorXd d = Eigen::VectorXd::Zero(x.size());
     Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(x.size(), x.size());
     if (active.normals.cols() > 0) {
-      constexpr double kIndependent = 1e-9;
-      d = least_norm_solution(active.normals.transpose(), active.missing, kIndependent);
+      d = shortest_step(active.normals.transpose(), active.missing);
       Z = PivotedQr(active.normals).complement();
     }
     has_flat_ = is_bend_ = false;

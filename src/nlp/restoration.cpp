@@ -1,6 +1,7 @@
 #include "nlp/restoration.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <Eigen/QR>
@@ -21,52 +22,68 @@ Eigen::VectorXd solve_rectangular(const Matrix& A, const Eigen::VectorXd& b) {
   return Eigen::HouseholderQR<Matrix>(A).solve(b);
 }
 
-/// The shortest d with J d = r, in the least squares where no d has that: J = L Q' by making its
-/// rows orthogonal one after the other, the one with the largest remainder first.
+}  // namespace
+
+// J = L Q' by making its rows orthogonal one after the other, the one with the largest remainder
+// first. Plain loops: the matrices are small, and a search asks for thousands of steps.
 Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, Eigen::VectorXd r) {
   constexpr double kDependent = 1e-9;  // remainder of a row over the longest row
-  const Eigen::Index m = J.rows(), most = std::min(m, J.cols());
+  const Eigen::Index m = J.rows(), n = J.cols(), most = std::min(m, n);
   InPlaceMatrix<double, kUsual> rows(J.transpose());  // in columns: of Q, then what is left
   InPlaceMatrix<double, kUsual> L(Eigen::MatrixXd::Zero(m, most));
-  Eigen::VectorXd left = rows.colwise().squaredNorm();
+  const auto dot = [n](const double* a, const double* b) {
+    double sum = 0;
+    for (Eigen::Index k = 0; k < n; ++k) sum += a[k] * b[k];
+    return sum;
+  };
+  const auto column = [&rows, n](Eigen::Index i) { return rows.data() + i * n; };
+  InPlaceMatrix<double, kUsual> left_of(Eigen::MatrixXd::Zero(m, 1));
+  double* const left = left_of.data();
+  for (Eigen::Index i = 0; i < m; ++i) left[i] = dot(column(i), column(i));
   double longest = 0;
   Eigen::Index rank = 0;
   for (; rank < most; ++rank) {
-    Eigen::Index next = 0;
-    left.tail(m - rank).maxCoeff(&next);
-    next += rank;
-    rows.col(rank).swap(rows.col(next));
-    L.row(rank).swap(L.row(next));
-    std::swap(left[rank], left[next]);
-    std::swap(r[rank], r[next]);
-    const double length = rows.col(rank).norm();
+    const Eigen::Index next = std::max_element(left + rank, left + m) - left;
+    if (next != rank) {
+      std::swap_ranges(column(rank), column(rank) + n, column(next));
+      for (Eigen::Index k = 0; k < rank; ++k) std::swap(L(rank, k), L(next, k));
+      std::swap(left[rank], left[next]);
+      std::swap(r[rank], r[next]);
+    }
+    double* const row = column(rank);
+    const double length = std::sqrt(left[rank]);
     longest = std::max(longest, length);
     if (!(length > kDependent * longest)) break;
-    rows.col(rank) /= length;
+    for (Eigen::Index k = 0; k < n; ++k) row[k] /= length;
     L(rank, rank) = length;
     for (Eigen::Index i = rank + 1; i < m; ++i) {
-      const double along = rows.col(rank).dot(rows.col(i));
+      double* const other = column(i);
+      const double along = dot(row, other);
       L(i, rank) = along;
-      rows.col(i) -= along * rows.col(rank);
-      left[i] = rows.col(i).squaredNorm();
+      for (Eigen::Index k = 0; k < n; ++k) other[k] -= along * row[k];
+      left[i] = dot(other, other);
     }
   }
-  const auto reached = L.leftCols(rank);
-  Eigen::VectorXd y = r;
+  Eigen::VectorXd y = std::move(r);
   if (rank == m) {
-    reached.triangularView<Eigen::Lower>().solveInPlace(y);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      for (Eigen::Index k = 0; k < i; ++k) y[i] -= L(i, k) * y[k];
+      y[i] /= L(i, i);
+    }
   } else {
-    y = m <= kUsual ? solve_rectangular(Usual(reached), r)
-                    : solve_rectangular(Eigen::MatrixXd(reached), r);
+    const auto reached = L.leftCols(rank);
+    y = m <= kUsual ? solve_rectangular(Usual(reached), y)
+                    : solve_rectangular(Eigen::MatrixXd(reached), y);
   }
   // Q y, but for what rounding leaves of Q'Q (Bjorck, Numerical Methods for Least Squares Problems,
   // 1996, section 2.4.4).
-  Eigen::VectorXd d = Eigen::VectorXd::Zero(J.cols());
-  for (Eigen::Index k = rank - 1; k >= 0; --k) d += (y[k] - rows.col(k).dot(d)) * rows.col(k);
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = rank - 1; i >= 0; --i) {
+    const double part = y[i] - dot(column(i), d.data());
+    for (Eigen::Index k = 0; k < n; ++k) d[k] += part * column(i)[k];
+  }
   return d;
 }
-
-}  // namespace
 
 Eigen::VectorXd step_within_box(Eigen::MatrixXd J, const Eigen::VectorXd& r,
                                 const Eigen::VectorXd& x, const Eigen::VectorXd& lower,

@@ -1,9 +1,13 @@
-// Newton steps back onto the constraints, for the solvers of our own.
+// Newton steps onto equations and back onto the constraints.
 #pragma once
 
 #include "nlp/monitor.hpp"
 
 namespace stillbase::nlp {
+
+/// The shortest d with J d = r, in the least squares where no d has that. Rows whose part beside
+/// those before is below 1e-9 of the longest count as dependent.
+Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, Eigen::VectorXd r);
 
 /// Step of least norm with J step = -r that keeps inside the box to first order: variables at a
 /// bound that it would cross are held.

@@ -7,6 +7,7 @@
 #include <stillbase/core/linear_algebra.hpp>
 
 #include "formulation/projection.hpp"
+#include "nlp/restoration.hpp"
 
 namespace stillbase {
 
@@ -31,7 +32,7 @@ std::optional<Corrected> correct(const Formulation& formulation, const Eigen::Ve
     A << J, normal.transpose();
     Eigen::VectorXd b(r.size() + 1);
     b << r, normal.dot(at - x);
-    at -= least_norm_solution(A, b, 1e-9);  // rows of a planar robot may vanish identically
+    at -= nlp::shortest_step(A, b);  // rows of a planar robot may vanish identically
   }
   evaluate_equations(formulation, at, true, r, J);
   if (r.cwiseAbs().maxCoeff() <= options.exact) return Corrected{at, J};
