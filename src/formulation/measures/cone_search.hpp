@@ -26,14 +26,15 @@ class ConeSearch {
   Eigen::Vector2d place(std::size_t i) const;
   /// Of the places of a new cone.
   void set_directions();
-  /// Whether no neighbour of the i-th place has a larger value.
-  bool is_peak(std::size_t i) const;
+  /// The places without a neighbour that has a larger value.
+  void find_peaks(std::vector<std::size_t>& peaks) const;
 
   double half_angle_ = 0;
   std::size_t count_ = 1;        ///< of places
   std::size_t rings_ = 0;        ///< places on a spoke; 0: a row
   Eigen::MatrixX3d directions_;  ///< of the places, see DirectionModel::squares()
   std::vector<double> squares_;  ///< |y|^2 of the places, then padding
+  std::vector<std::size_t> peak_places_;
   std::vector<ConePlace> peaks_, seeds_, found_;
 };
 

@@ -154,7 +154,7 @@ double DirectionModel::other_square(const Vector3d& d, const StopCondition& unti
 
 double DirectionModel::value(const Eigen::Vector2d& c) const {
   const Vector3d d = direction(c);
-  if (is_linear()) return std::sqrt(square(d));
+  if (is_linear()) return value_along(d);
   const bool is_predicted = c.isZero(0);
   if (!is_predicted && !is_complete()) return -kInfinity;
   const double sum = square(d) + other_square(d, is_predicted ? StopCondition{} : stop);

@@ -2,6 +2,7 @@
 // it, so a direction costs a few small products.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -46,6 +47,8 @@ struct DirectionModel {
   /// Minus infinity, less than anything, where simulations were given up; never of the nominal
   /// direction.
   double value(const Eigen::Vector2d& c) const;
+  /// The same along a direction. @pre is_linear()
+  double value_along(const Vector3d& d) const { return std::sqrt(square(d)); }
   /// Whether no value was given up so far.
   bool is_complete() const { return !differenced.is_simulated() || !stop.reached(); }
   /// |y|^2 along directions, several at a time. @pre is_linear()

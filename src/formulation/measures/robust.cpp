@@ -86,33 +86,52 @@ Place jump_to_top(const DirectionModel& model, const Place& place, double step) 
   return top.value > place.value ? top : place;
 }
 
+/// A direction of the cone, its place and |y|.
+struct Spot {
+  Eigen::Vector2d c;
+  Vector3d d;
+  double value;
+};
+
+Spot spot_at(const DirectionModel& model, const Eigen::Vector2d& c) {
+  const Vector3d d = model.direction(c);
+  return {c, d, model.value_along(d)};
+}
+
 /// A move on the sphere of directions, or along the cone's rim.
 struct Step {
-  Eigen::Vector2d along = Eigen::Vector2d::Zero();  // rad, away from the cone's axis and around it
+  Vector3d away, around;  // unit tangents: away from the cone's axis, and around it
+  Eigen::Vector2d along = Eigen::Vector2d::Zero();  // rad, in these
   bool on_rim = false;
+  bool is_to_top = false;  // the function is concave here: where the step ends is no saddle
 };
 
 /// Newton's step towards the maximum of ln |y|^2 over the directions: on the sphere, or along the
 /// cone's rim where the maximum lies beyond it. Uphill where the function is not concave. Zero
 /// where there is nothing to climb.
-Step newton_step(const DirectionModel& model, const Eigen::Vector2d& c) {
+Step newton_step(const DirectionModel& model, const Spot& at) {
   Step step;
-  const double angle = c.norm(), alpha = model.half_angle;
-  const Vector3d d = model.direction(c);
+  const double angle = at.c.norm(), alpha = model.half_angle;
+  const Vector3d& d = at.d;
+  const Eigen::Vector2d side = angle > 0 ? Eigen::Vector2d(at.c / angle) : Eigen::Vector2d(1, 0);
+  const Vector3d outward = side[0] * model.u + side[1] * model.v;
+  step.away = d.dot(model.n) * outward - d.dot(outward) * model.n;
+  step.around = side[0] * model.v - side[1] * model.u;
+  const Vector3d &away = step.away, &around = step.around;
   Vector3d g;
   Matrix3d H;
   if (!model.log_derivatives(d, g, H)) return step;
-  const Eigen::Vector2d side = angle > 0 ? Eigen::Vector2d(c / angle) : Eigen::Vector2d(1, 0);
-  const Vector3d outward = side[0] * model.u + side[1] * model.v;
-  const Vector3d away = std::cos(angle) * outward - std::sin(angle) * model.n;
-  const Vector3d around = side[0] * model.v - side[1] * model.u;
   const double uphill = alpha / 12, longest = alpha / 4;
   const Eigen::Vector2d slope(g.dot(away), g.dot(around));
   step.on_rim = angle >= alpha * (1 - 1e-12) && slope[0] > 0;
-  if (step.on_rim && model.planar) return step;
+  if (step.on_rim && model.planar) {
+    step.is_to_top = true;
+    return step;
+  }
   if (step.on_rim) {
     // A circle of radius sin(alpha) bends towards its axis.
     const double bend = around.dot(H * around) - g.dot(outward) / std::sin(alpha);
+    step.is_to_top = bend < 0;
     step.along[1] = bend < 0 ? -slope[1] / bend : std::copysign(uphill, slope[1]);
   } else {
     // A great circle bends towards -d.
@@ -120,33 +139,34 @@ Step newton_step(const DirectionModel& model, const Eigen::Vector2d& c) {
     bend << away.dot(H * away), away.dot(H * around), away.dot(H * around), around.dot(H * around);
     bend.diagonal().array() -= g.dot(d);
     if (model.planar) {
+      step.is_to_top = bend(0, 0) < 0;
       step.along[0] = bend(0, 0) < 0 ? -slope[0] / bend(0, 0) : std::copysign(uphill, slope[0]);
     } else if (bend(0, 0) < 0 && bend.determinant() > 0) {
+      step.is_to_top = true;
       step.along = -bend.inverse() * slope;
     } else if (slope.norm() > 0) {
       step.along = slope * (uphill / slope.norm());
     }
   }
-  if (!step.along.allFinite()) step.along.setZero();
+  if (!step.along.allFinite()) {
+    step.along.setZero();
+    step.is_to_top = false;
+  }
   if (step.along.norm() > longest) step.along *= longest / step.along.norm();
   return step;
 }
 
-/// The place at the end of a part of a step.
-Eigen::Vector2d moved_along(const DirectionModel& model, const Eigen::Vector2d& c, const Step& step,
-                            double part) {
-  const double angle = c.norm(), length = part * step.along.norm();
-  const Eigen::Vector2d side = angle > 0 ? Eigen::Vector2d(c / angle) : Eigen::Vector2d(1, 0);
+/// The end of a part of a step.
+Spot moved_along(const DirectionModel& model, const Spot& from, const Step& step, double part) {
   if (step.on_rim) {
     const double turn = part * step.along[1] / std::sin(model.half_angle);
-    return model.project(Eigen::Rotation2Dd(turn) * c);
+    return spot_at(model, model.project(Eigen::Rotation2Dd(turn) * from.c));
   }
-  if (!(length > 0)) return c;
-  const Vector3d away =
-      std::cos(angle) * (side[0] * model.u + side[1] * model.v) - std::sin(angle) * model.n;
-  const Vector3d around = side[0] * model.v - side[1] * model.u;
-  const Vector3d heading = (step.along[0] * away + step.along[1] * around).normalized();
-  return model.coordinates(std::cos(length) * model.direction(c) + std::sin(length) * heading);
+  const double length = part * step.along.norm();
+  if (!(length > 0)) return from;
+  const Vector3d heading = (step.along[0] * step.away + step.along[1] * step.around).normalized();
+  const Vector3d there = std::cos(length) * from.d + std::sin(length) * heading;
+  return spot_at(model, model.coordinates(there));
 }
 
 /// Of Newton's method on the sphere of directions.
@@ -157,27 +177,26 @@ struct ClimbOptions {
   int rounds = 4;              ///< of a climb and a compass search, which leaves saddles
 };
 
-Place climb_by_newton(const DirectionModel& model, Place place, const ClimbOptions& options) {
+/// @return where it ends, and whether that is the top of a hill
+std::pair<Spot, bool> climb_by_newton(const DirectionModel& model, Spot spot,
+                                      const ClimbOptions& options) {
   for (int i = 0; i < options.steps; ++i) {
-    const Step step = newton_step(model, place.c);
-    const auto moved = [&](double part) -> Place {
-      const Eigen::Vector2d c = moved_along(model, place.c, step, part);
-      return {c, model.value(c)};
-    };
-    if (step.along.norm() < options.least_step) return moved(1);
+    const Step step = newton_step(model, spot);
+    if (step.along.norm() < options.least_step)
+      return {moved_along(model, spot, step, 1), step.is_to_top};
     bool rose = false;
     double part = 1;
     for (int halving = 0; halving < options.halvings && !rose; ++halving, part /= 2) {
       const double length = part * step.along.norm();
-      if (halving > 0 && length < options.visible_step) return place;
-      const Place trial = moved(part);
+      if (halving > 0 && length < options.visible_step) return {spot, false};
+      const Spot trial = moved_along(model, spot, step, part);
       // Of a step that values do not see the derivatives decide.
-      rose = trial.value > place.value || length < options.visible_step;
-      if (rose) place = trial;
+      rose = trial.value > spot.value || length < options.visible_step;
+      if (rose) spot = trial;
     }
     if (!rose) break;
   }
-  return place;
+  return {spot, false};
 }
 
 /// The maximum that a place belongs to.
@@ -185,15 +204,17 @@ Place refine(const DirectionModel& model, Place place) {
   const double alpha = model.half_angle;
   if (!(alpha > 0)) return place;
   if (model.is_linear()) {
-    // A round of the compass about the top: off a saddle, and on where |y| was zero.
+    // Where that is no top a round of the compass: off a saddle, and on where |y| was zero.
     const ClimbOptions options;
-    for (int round = 0; round < options.rounds; ++round) {
-      place = climb_by_newton(model, place, options);
+    for (int round = 0; round <= options.rounds; ++round) {
+      const auto [end, is_top] = climb_by_newton(model, spot_at(model, place.c), options);
+      place = {end.c, end.value};
+      if (is_top || round == options.rounds) break;
       const Place further = ascend(model, place, alpha / 36);
-      if (!(further.value > place.value)) return place;
+      if (!(further.value > place.value)) break;
       place = further;
     }
-    return climb_by_newton(model, place, options);
+    return place;
   }
   for (const double part : {12., 36., 108.}) place = ascend(model, place, alpha / part);
   for (const double part : {216., 2160.}) place = jump_to_top(model, place, alpha / part);
@@ -269,31 +290,42 @@ void ConeSearch::set_directions() {
   }
 }
 
-bool ConeSearch::is_peak(std::size_t i) const {
-  if (std::isnan(squares_[i])) return false;
+void ConeSearch::find_peaks(std::vector<std::size_t>& peaks) const {
+  peaks.clear();
   // Of equal neighbours the first.
-  const auto is_above = [&](std::size_t other) {
+  const auto is_above = [this](std::size_t i, std::size_t other) {
     return !(squares_[other] > squares_[i]) && !(squares_[other] == squares_[i] && other < i);
   };
-  const std::size_t places = count_;
-  if (rings_ == 0) {  // a row, after its middle
-    return i == 0 ? places == 1
-                  : (i == 1 || is_above(i - 1)) && (i + 1 == places || is_above(i + 1));
-  }
-  if (i == 0) {
-    for (std::size_t first = 1; first < places; first += rings_) {
-      if (!is_above(first)) return false;
-    }
-    return true;
-  }
-  const std::size_t ring = (i - 1) % rings_;
-  const auto is_above_spoke = [&](std::size_t k) {  // k: its place on the ring
-    return (k == i || is_above(k)) && (ring + 1 == rings_ || is_above(k + 1)) &&
-           is_above(ring == 0 ? 0 : k - 1);
+  const auto take = [&](std::size_t i, bool is_peak) {
+    if (is_peak && !std::isnan(squares_[i])) peaks.push_back(i);
   };
-  const std::size_t last = places - 1 - rings_;  // from the first spoke to the last
-  return is_above_spoke(i) && is_above_spoke(i > last ? i - last : i + rings_) &&
-         is_above_spoke(i <= rings_ ? i + last : i - rings_);
+  if (rings_ == 0) {  // a row, after its middle
+    take(0, count_ == 1);
+    for (std::size_t i = 1; i < count_; ++i) {
+      take(i, (i == 1 || is_above(i, i - 1)) && (i + 1 == count_ || is_above(i, i + 1)));
+    }
+    return;
+  }
+  bool is_middle_peak = true;
+  for (std::size_t first = 1; first < count_; first += rings_) {
+    is_middle_peak = is_middle_peak && is_above(0, first);
+  }
+  take(0, is_middle_peak);
+  const std::size_t last = count_ - rings_;  // first place of the last spoke
+  for (std::size_t spoke = 1; spoke <= last; spoke += rings_) {
+    const std::size_t before = spoke == 1 ? last : spoke - rings_;
+    const std::size_t after = spoke == last ? 1 : spoke + rings_;
+    for (std::size_t ring = 0; ring < rings_; ++ring) {
+      const std::size_t i = spoke + ring;
+      const bool is_rim = ring + 1 == rings_;
+      const auto is_above_spoke = [&](std::size_t first) {
+        return is_above(i, first + ring) && (is_rim || is_above(i, first + ring + 1)) &&
+               is_above(i, ring == 0 ? 0 : first + ring - 1);
+      };
+      take(i, (is_rim || is_above(i, i + 1)) && is_above(i, ring == 0 ? 0 : i - 1) &&
+                  is_above_spoke(after) && is_above_spoke(before));
+    }
+  }
 }
 
 const std::vector<ConePlace>& ConeSearch::maxima(const DirectionModel& model) {
@@ -306,9 +338,8 @@ const std::vector<ConePlace>& ConeSearch::maxima(const DirectionModel& model) {
                              : std::copysign(std::sqrt(std::abs(squares_[i])), squares_[i]);
     peaks_.push_back({place(i), value});
   };
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (is_peak(i)) take(i);
-  }
+  find_peaks(peak_places_);
+  for (const std::size_t i : peak_places_) take(i);
   if (peaks_.empty()) take(0);
   // Places apart from each other, so that equal maxima are all found.
   seeds_.clear();
