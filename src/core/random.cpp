@@ -21,9 +21,13 @@ std::uint64_t rotate_left(std::uint64_t x, int k) { return (x << k) | (x >> (64 
 
 // The positive root of x^(d+1) = x + 1: the golden ratio's generalisation to d dimensions.
 double generalised_golden_ratio(int dimension) {
+  static thread_local int last_dimension = -1;  // a search draws thousands of points of one
+  static thread_local double last_ratio = 0;
+  if (dimension == last_dimension) return last_ratio;
   double x = 2;
   for (int i = 0; i < 64; ++i) x = std::pow(1 + x, 1.0 / (dimension + 1));
-  return x;
+  last_dimension = dimension;
+  return last_ratio = x;
 }
 
 }  // namespace

@@ -96,17 +96,21 @@ bool Measure::knows(const Eigen::VectorXd& x) {
 
 Measure::Known Measure::known(const Eigen::VectorXd& x) {
   const std::lock_guard lock(mutex_);
-  const auto at =
-      std::find_if(known_.begin(), known_.end(), [&x](const Known& one) { return one.x == x; });
+  const auto at = find_known(x);
   return at != known_.end() ? *at : Known{};
+}
+
+std::vector<Measure::Known>::iterator Measure::find_known(const Eigen::VectorXd& x) {
+  return std::find_if(known_.begin(), known_.end(), [&x](const Known& one) {
+    return one.x[0] == x[0] && one.x == x;  // hundreds of points, nearly all differ at once
+  });
 }
 
 template <class Add>
 void Measure::remember(const Eigen::VectorXd& x, const Add& add) {
   const std::lock_guard lock(mutex_);
-  auto at =
-      std::find_if(known_.begin(), known_.end(), [&x](const Known& one) { return one.x == x; });
-  if (at == known_.end()) at = known_.insert(at, {x, std::nullopt, std::nullopt});
+  auto at = find_known(x);
+  if (at == known_.end()) at = known_.insert(at, Known{.x = x});
   add(*at);
 }
 
@@ -269,6 +273,13 @@ MeasureSolution Measure::follow(const nlp::Optimizer& optimizer,
 
 nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
   if (is_nominal()) return nlp::certify(formulation_, x, {.second_order = true});
+  if (const Known here = known(x); here.certificate) return *here.certificate;
+  const nlp::Certificate certificate = certificate_at(x);
+  remember(x, [&](Known& here) { here.certificate = certificate; });
+  return certificate;
+}
+
+nlp::Certificate Measure::certificate_at(const Eigen::VectorXd& x) {
   const double size = value(x);
   const double scale = size > options_.zero * options_.zero / 2 ? size : 1;
   if (problem_.measure.kind == RiskMeasure::WorstCase) {

@@ -98,7 +98,7 @@ class Measure {
                          const Eigen::VectorXd& x0);
 
   /// KKT of the smooth form at x, without anything that the solver knew: active directions are
-  /// searched for.
+  /// searched for. Kept, but for the nominal value.
   nlp::Certificate certify(const Eigen::VectorXd& x);
 
   /// The local minimum of the measure over the uncertainty that x is near, to its last digits: see
@@ -120,14 +120,17 @@ class Measure {
   /// 1/2 |y|^2 / unit^2 at a value of the objective.
   double half_square(double value) const;
   double sampled_value(const Eigen::VectorXd& x);
+  nlp::Certificate certificate_at(const Eigen::VectorXd& x);
   std::optional<double> level() const;
 
   /// What is known of a point: worst cases and samples may take a simulation each.
   struct Known {
     Eigen::VectorXd x;
-    std::optional<WorstCase> worst;
-    std::optional<double> sampled;
+    std::optional<WorstCase> worst = {};
+    std::optional<double> sampled = {};
+    std::optional<nlp::Certificate> certificate = {};
   };
+  std::vector<Known>::iterator find_known(const Eigen::VectorXd& x);
   Known known(const Eigen::VectorXd& x);
   /// Adds to what is known of a point. @param add called with it
   template <class Add>
