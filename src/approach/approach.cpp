@@ -54,10 +54,17 @@ std::optional<Approach> refuse(const ApproachTask& task) {
     if (const auto hit = alone.first_hit(*phi)) return failed(status, clearance_text(*hit));
   }
   JointPath straight = straight_path(task);
-  slow_for_effort(problem, straight, task.options.effort);
-  if (const auto late = too_slow(task, task.goal.contact_time, straight.times.back(), spec.wait)) {
-    return failed(TooSlow, late->text, late->seconds);
+  const auto lateness = [&](double duration) {
+    return too_slow(task, task.goal.contact_time, duration, spec.wait);
+  };
+  // Torques are looked at where they could make it too slow: of the path that is found they are in
+  // any case.
+  constexpr double kSlowed = 4;  // torques 16 times as large as usable
+  if (lateness(kSlowed * straight.times.back())) {
+    slow_for_effort(problem, straight, task.options.effort);
   }
+  if (const auto late = lateness(straight.times.back()))
+    return failed(TooSlow, late->text, late->seconds);
   if (task.target == nullptr) return std::nullopt;
   const Pose at_contact = task.target->state(task.goal.contact_time).pose;
   if (const auto hit = StillScene(task, {at_contact}, spec.resolution).first_hit(task.goal.phi)) {
