@@ -62,7 +62,7 @@ class Search {
     const bool feasible = nearest_.violation <= kFeasibilityTolerance;
     if (feasible) {
       if (!isolated_) {
-        refinement_.refine_nominal(solutions_);
+        refine_nominal();
         if (may_move_zeros()) move_zeros();
       }
       state_nominal_optimum();
@@ -288,6 +288,7 @@ class Search {
     refinement_.refine_measure(minima);
     // The best by the nominal value stays in the list: another choice when the minima
     // of the measure touch something.
+    refine_listed(minima);
     for (Solution& solution : solutions_) {
       const double value = measure_.value(solution.x);
       if (!std::isnan(value)) solution.objective = value;
@@ -295,6 +296,44 @@ class Search {
         keep_distinct(formulation_, solution, minima, options_.same_configuration);
     }
     solutions_ = std::move(minima);
+  }
+
+  /// Of another measure only the best by the nominal value, which is stated: the others are starts.
+  void refine_nominal() {
+    if (measure_.is_nominal()) return refinement_.refine_nominal(solutions_);
+    double lowest = kInfinity;
+    for (const Solution& solution : solutions_) lowest = std::min(lowest, solution.length());
+    const double most = lowest + options_.as_good_before_refinement;
+    refine_those([&](const Solution& solution) { return solution.length() <= most; });
+  }
+
+  /// Of the nominal solutions those that the list has room for beside the minima of the measure.
+  void refine_listed(const std::vector<Solution>& minima) {
+    for_each_index(jobs_, static_cast<int>(solutions_.size()), {}, [this](int i) {
+      static_cast<void>(measure_.value(solutions_[static_cast<std::size_t>(i)].x));
+    });
+    std::vector<double> values;
+    for (const Solution& minimum : minima) values.push_back(minimum.objective);
+    for (const Solution& solution : solutions_) values.push_back(measure_.value(solution.x));
+    std::erase_if(values, [](double value) { return std::isnan(value); });
+    const auto room = static_cast<std::size_t>(options_.max_candidates);
+    double most = kInfinity;
+    if (values.size() > room) {
+      const auto last = values.begin() + static_cast<std::ptrdiff_t>(room);
+      std::nth_element(values.begin(), last, values.end());
+      most = *last;
+    }
+    refine_those([&](const Solution& one) { return measure_.value(one.x) <= most; });
+  }
+
+  template <class Counts>
+  void refine_those(const Counts& counts) {
+    const auto end = std::stable_partition(solutions_.begin(), solutions_.end(), counts);
+    const std::vector<Solution> others(end, solutions_.end());
+    solutions_.erase(end, solutions_.end());
+    refinement_.refine_nominal(solutions_);
+    for (const Solution& solution : others)
+      keep_distinct(formulation_, solution, solutions_, options_.same_configuration);
   }
 
   MeasureStarts first_starts(bool in_rounds) const {

@@ -127,6 +127,9 @@ struct SearchOptions {
   double better_prediction = 1e-7;  ///< of the objective's typical size
   int moved_zeros = 6;  ///< nearest to the start posture, that are moved nearer along the surface
                         ///< of zeros; one costs about as much as two local solves
+  /// Nominal values, of the objective's typical size above the least, that may be the least once
+  /// they are known to their last digits.
+  double as_good_before_refinement = 1e-3;
   double same_configuration = 1e-5;  ///< distance of solutions that are one
   ScreeningOptions screening;
   MeasureSearchOptions minima;
