@@ -84,6 +84,19 @@ Eigen::VectorXd variables_of_form(const CaptureProblem& problem, const SearchRes
   return x;
 }
 
+namespace {
+
+/// Whether what a configuration exceeds after the impact it does at every angle of its free joint:
+/// nothing of the motion depends on that, but where this joint itself is, and what it touches.
+bool fails_at_every_roll(const CaptureProblem& problem, const SearchResult& found,
+                         std::size_t candidate, const std::string& failure) {
+  const std::optional<int> joint = rolled_joint(found, candidate);
+  if (!joint || failure.empty()) return false;
+  return !failure.starts_with(problem.robot.joints[static_cast<std::size_t>(*joint)].name);
+}
+
+}  // namespace
+
 void take_forms_that_hold(const CaptureProblem& problem, const CollisionJudge& collisions,
                           const PlannerOptions& options, AfterImpactJudge& after,
                           SearchResult& found) {
@@ -98,8 +111,13 @@ void take_forms_that_hold(const CaptureProblem& problem, const CollisionJudge& c
     if (candidate.collision_free) {
       forms = other_turns_of(problem, found, i, options.other_turns);
     }
-    for (Configuration& roll : other_rolls_of(problem, found, i, options.other_rolls)) {
-      forms.push_back(std::move(roll));
+    const bool may_roll =
+        !candidate.collision_free ||
+        !fails_at_every_roll(problem, found, i, after.failure(candidate.configuration));
+    if (may_roll) {
+      for (Configuration& roll : other_rolls_of(problem, found, i, options.other_rolls)) {
+        forms.push_back(std::move(roll));
+      }
     }
     std::vector<Candidate> trials;
     std::vector<Configuration> to_judge;
