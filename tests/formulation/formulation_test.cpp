@@ -147,6 +147,36 @@ TEST_CASE("objective and gradient come from the objective vector and its Jacobia
   CHECK((J.transpose() * y - at_x.gradient).norm() < 1e-10 * (1 + at_x.gradient.norm()));
 }
 
+TEST_CASE("constraints and the objective vector together are what each is alone") {
+  Random random(15);
+  CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, false));
+  problem.constraints.closing_speed_min = 1e3;  // holds nowhere
+  const Formulation formulation(problem);
+  const Eigen::VectorXd x = some_point(formulation, 4);
+  nlp::Evaluation alone, both;
+  formulation.evaluate(x, alone);
+  Eigen::VectorXd y, y_too, violation, violation_and_y;
+  Eigen::MatrixXd J_y, J_y_too, J, J_and_y;
+  formulation.objective_vector(x, y, J_y);
+  formulation.evaluate_vector(x, both, y_too, J_y_too);
+  CHECK(y_too == y);
+  CHECK(J_y_too == J_y);
+  CHECK(both.constraints == alone.constraints);
+  CHECK(both.jacobian == alone.jacobian);
+  CHECK(both.objective == Approx(alone.objective).epsilon(1e-12));
+  CHECK((both.gradient - alone.gradient).norm() < 1e-10 * (1 + alone.gradient.norm()));
+  for (const bool equations_alone : {true, false}) {
+    formulation.evaluate_violated(x, equations_alone, false, violation, J);
+    formulation.evaluate_violated(x, equations_alone, true, violation_and_y, J_and_y);
+    REQUIRE(violation_and_y.size() == violation.size() + y.size());
+    CHECK(violation_and_y.head(violation.size()) == violation);
+    CHECK(violation_and_y.tail(y.size()) == y);
+    CHECK(J_and_y.topRows(J.rows()) == J);
+    CHECK(J_and_y.bottomRows(y.size()) == J_y);
+    CHECK((equations_alone || violation.size() > 0));
+  }
+}
+
 TEST_CASE("a limit on the rotation of the base bounds its angle, not each component") {
   Random random(16);
   CaptureProblem problem = tumbling_problem(random, random_robot(random, 6, false));

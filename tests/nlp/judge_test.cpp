@@ -142,6 +142,49 @@ TEST_CASE("a caller ends a solve at the first point that it has waited for") {
   CHECK(at_start.x == low);
 }
 
+/// Asks for the start, then solves the other problem from there, and asks for it again.
+class Nested final : public Optimizer {
+ public:
+  explicit Nested(const Problem& other)
+      : Optimizer({.name = "nested", .about = "a solve within a solve"}), other_(other) {}
+
+ private:
+  NativeOutcome solve(Monitor& monitor, const Eigen::VectorXd& start,
+                      const OptimizeOptions&) const override {
+    const double before = monitor.evaluate(start.data())->objective;
+    const OptimizeResult inner = Scripted({}).minimize(other_, start);
+    const double after = monitor.evaluate(start.data())->objective;
+    return {0, after == before && inner.objective != before ? "kept" : "mixed up", ""};
+  }
+  const Problem& other_;
+};
+
+TEST_CASE("a solve knows nothing of the points of another one on its thread") {
+  const KnownProblem p = hs035();
+  KnownProblem q = p;
+  q.model = [&p](const Eigen::VectorXd& x, Evaluation& out) {
+    p.model(x, out);
+    out.objective += 1;
+  };
+  const Scripted visit({p.minimisers[0]});
+  const OptimizeResult first = visit.minimize(p, p.start), second = visit.minimize(q, p.start);
+  CHECK(second.objective == first.objective + 1);
+  CHECK(second.evaluations == first.evaluations);
+  CHECK(Nested(q).minimize(p, p.start).native_status == "kept");
+}
+
+TEST_CASE("copies of an evaluation leave the workspace where it is") {
+  Evaluation first, second;
+  first.workspace.as<int>() = 3;
+  second.workspace.as<int>() = 4;
+  second = first;
+  const Evaluation copy = first;
+  CHECK(second.workspace.as<int>() == 4);
+  CHECK(first.workspace.as<int>() == 3);
+  CHECK(Evaluation(copy).workspace.as<int>() == 0);  // one of its own
+  CHECK(first.workspace.as<double>() == 0);          // a fresh one of another type
+}
+
 TEST_CASE("a solver that evaluates one point for ever is stopped") {
   const KnownProblem p = rosenbrock();
   const OptimizeResult r =

@@ -93,6 +93,28 @@ TEST_CASE("a posture that runs into a stop is taken a turn away from it") {
         candidate.configuration.phi[0]);
 }
 
+TEST_CASE("what another joint exceeds after the impact it exceeds at every roll of a free one") {
+  const CaptureProblem problem = test::shipped("iiwa_client_50");
+  SearchOptions few;
+  few.starts = 8;
+  SearchResult found = search(problem, Formulation(problem), few);
+  const CollisionJudge collisions(problem);
+  collisions.judge_all(1, {}, found.candidates);
+  AfterImpactJudge after(problem, {}, 1, nullptr);
+  const std::string& rolled = problem.robot.joints.back().name;
+  int failing = 0;
+  for (std::size_t i = 0; i < found.candidates.size() && failing < 3; ++i) {
+    const Configuration& at = found.candidates[i].configuration;
+    const std::vector<Configuration> rolls = other_rolls_of(problem, found, i, 4);
+    const std::string failure = after.failure(at);
+    if (rolls.empty() || failure.empty() || failure.starts_with(rolled)) continue;
+    ++failing;
+    CAPTURE(i, failure);
+    for (const Configuration& roll : rolls) CHECK(after.failure(roll) == failure);
+  }
+  CHECK(failing > 0);
+}
+
 TEST_CASE("the approach leads to another roll where there is no path to the first one") {
   CaptureProblem problem = test::shipped("mounted_six_joint");
   problem.post_impact.controllers.clear();
