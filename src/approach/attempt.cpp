@@ -83,6 +83,7 @@ std::vector<JointVectord> plan_points(const std::vector<const AttemptGoal*>& goa
   }
   query.stop = stop;
   query.options = first.options.path;
+  query.max_iterations = std::min(query.max_iterations, query.options.most_iterations);
   // The planner's space holds the free joints alone.
   const auto full = [&](std::size_t i, const JointVectord& part) {
     return with_free_part(goals[i]->task.goal.phi, goals[i]->task.free, part);

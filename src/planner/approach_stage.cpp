@@ -185,7 +185,7 @@ class Stage {
         if (path_decides(problem_)) continue;
         std::list<Goal> goals = other_forms(i);
         if (goals.empty()) continue;
-        const ApproachToAny any = approach_to_goals(goals, seed_ + k);
+        const ApproachToAny any = approach_to_goals(goals, seed_ + k, path_options_);
         if (!arrives(any.approach)) continue;
         const auto form = std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
         chosen_ = {i, any.approach, form->other, false, true};
@@ -308,7 +308,7 @@ class Stage {
       }
     }
     if (goals.empty()) return false;
-    if (!base_follows_path(problem_) && to_any_of(goals)) return true;
+    if (!base_follows_path(problem_) && to_any_of(goals, path_options_)) return true;
     return to_first_of(goals);
   }
 
@@ -376,20 +376,34 @@ class Stage {
            first.base.orientation.angularDistance(second.base.orientation) < near;
   }
 
+  /// Goes for the best one by itself, as long as that takes little: where it is reached the others
+  /// need not be simulated.
+  /// @return as to_any_of()
+  bool to_best() {
+    if (order_.holding().empty()) return false;
+    std::list<Goal> best;
+    best.push_back(goal_at(order_.holding().front()));
+    ApproachOptions brief = path_options_;
+    brief.attempts_of_set = 1;
+    brief.path.most_iterations = brief.path.iterations_to_best;
+    return to_any_of(best, brief);
+  }
+
   /// Goes for all good candidates at once; when none is reached, for samples of their self-motion
   /// as well.
   /// @return whether nothing is left to try
   bool to_any() {
+    if (!path_decides(problem_) && to_best()) return true;
     std::list<Goal> goals = good_candidates();
     if (goals.empty()) return false;
     // Within the null space a path to one alone is for one_by_one(); of several all were tried,
     // with their continua.
     if (path_decides(problem_) && goals.size() == 1) return false;
-    if (to_any_of(goals)) return true;
+    if (to_any_of(goals, path_options_)) return true;
     if (path_decides(problem_)) return !has_fallback_;
     const std::size_t count = goals.size();
     add_samples(goals);
-    return goals.size() > count && to_any_of(goals);
+    return goals.size() > count && to_any_of(goals, path_options_);
   }
 
   const Candidate& candidate_of(const Goal& goal) const {
@@ -400,7 +414,8 @@ class Stage {
   }
 
   /// One run of the planner for all of them.
-  ApproachToAny approach_to_goals(std::list<Goal>& goals, std::uint64_t seed) {
+  ApproachToAny approach_to_goals(std::list<Goal>& goals, std::uint64_t seed,
+                                  const ApproachOptions& options) {
     std::vector<ApproachGoal> asked;
     const auto rank = [this](const Candidate& candidate) {
       return std::max(rank_of(problem_, candidate), kZeroRank);
@@ -413,7 +428,7 @@ class Stage {
                        1 / (part * part), goal.contact ? goal.contact->solver() : ContactSolver{}});
     }
     ApproachToAny any =
-        plan_approach_to_any(problem_, asked, seed, options_.stop, solver_calls_, path_options_);
+        plan_approach_to_any(problem_, asked, seed, options_.stop, solver_calls_, options);
     std::size_t i = 0;
     for (Goal& goal : goals) {
       if (goal.contact) count_calls(*goal.contact);
@@ -423,10 +438,10 @@ class Stage {
   }
 
   /// @return whether an approach leads to a configuration whose limits hold after the impact
-  bool to_any_of(std::list<Goal>& goals) {
+  bool to_any_of(std::list<Goal>& goals, const ApproachOptions& options) {
     if (options_.stop.reached()) return false;
     progress(0);
-    const ApproachToAny any = approach_to_goals(goals, seed_);
+    const ApproachToAny any = approach_to_goals(goals, seed_, options);
     const Goal& reached = *std::next(goals.begin(), static_cast<std::ptrdiff_t>(any.goal));
     for (const Goal& goal : goals) {
       if (goal.other) continue;
@@ -460,14 +475,14 @@ class Stage {
     }
     std::list<Goal> goals;
     for (std::size_t k = 0; k < order_.holding().size(); ++k) {
-      if (!is_goal(k)) continue;
-      const std::size_t i = order_.holding()[k];
-      const Candidate& candidate = found_.candidates[i];
-      Goal goal{i, {}, false, collisions_.target_towards(candidate.configuration), nullptr};
-      goal.contact = contact_at(i);
-      goals.push_back(std::move(goal));
+      if (is_goal(k)) goals.push_back(goal_at(order_.holding()[k]));
     }
     return goals;
+  }
+
+  Goal goal_at(std::size_t candidate) const {
+    const Configuration& at = found_.candidates[candidate].configuration;
+    return {candidate, {}, false, collisions_.target_towards(at), contact_at(candidate)};
   }
 
   void add_samples(std::list<Goal>& goals) {

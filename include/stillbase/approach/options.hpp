@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include <stillbase/core/phase_clock.hpp>
 
@@ -18,6 +19,7 @@ struct PathPlannerOptions {
   /// To the best of several goals by itself, before all are gone for: of these a planner reaches
   /// the one that is easiest to reach.
   int iterations_to_best = 500;
+  int most_iterations = std::numeric_limits<int>::max();  ///< whatever the problem asks for
   /// Alternations of OMPL's simplification steps, ended when one leaves more than this part of the
   /// path's length.
   int simplification_rounds = 6;
