@@ -42,6 +42,19 @@ Plan quick_plan(CaptureProblem problem) {
 
 }  // namespace
 
+TEST_CASE("the best good candidate is gone for before the others, as long as that takes little") {
+  const CaptureProblem problem = test::shipped("iiwa_cone");
+  PlannerOptions options;
+  options.prover = nullptr;
+  const Plan alone = make_plan(problem, options);
+  options.approach.path.iterations_to_best = 0;
+  const Plan of_set = make_plan(problem, options);
+  constexpr const char* kOfSet = " of a set of ";
+  CHECK(alone.approach.detail.find(kOfSet) == std::string::npos);
+  CHECK(of_set.approach.detail.find(kOfSet) != std::string::npos);
+  CHECK(alone.objective.value <= of_set.objective.value * (1 + 1e-9));
+}
+
 TEST_CASE("a chosen candidate that is not the best one is feasible, with its loss") {
   Plan plan = second_of_three();
   state_choice(plan, 1e-9, 1e-6);
