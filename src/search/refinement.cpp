@@ -20,16 +20,18 @@ Refinement::Refinement(const CaptureProblem& problem, const Formulation& formula
 
 bool Refinement::is_possible() const { return !simulates_turn(problem_) && problem_.user.empty(); }
 
-void Refinement::refine_nominal(std::vector<Solution>& solutions) const {
-  refine(solutions, [this](const Solution& one) { return nominal(one); });
+void Refinement::refine_nominal(std::vector<Solution>& solutions, const Counts& counts) const {
+  refine(solutions, counts, [this](const Solution& one) { return nominal(one); });
 }
 
 void Refinement::refine_measure(std::vector<Solution>& solutions) const {
-  refine(solutions, [this](const Solution& one) { return by_measure(one); });
+  const auto all = [](const Solution&) { return true; };
+  refine(solutions, all, [this](const Solution& one) { return by_measure(one); });
 }
 
 template <class Refined>
-void Refinement::refine(std::vector<Solution>& solutions, const Refined& refined) const {
+void Refinement::refine(std::vector<Solution>& solutions, const Counts& counts,
+                        const Refined& refined) const {
   if (!is_possible()) return;
   const PhaseClock::Phase phase(options_.clock, "search.refinement");
   std::vector<Solution> before = std::move(solutions);
@@ -43,7 +45,7 @@ void Refinement::refine(std::vector<Solution>& solutions, const Refined& refined
   for_each_index(jobs_, static_cast<int>(before.size()), {}, [&](int i) {
     const auto k = static_cast<std::size_t>(i);
     after[k] = before[k];
-    if (before[k].family >= 0 || options_.stop.reached()) return;
+    if (before[k].family >= 0 || options_.stop.reached() || !counts(before[k])) return;
     const Solution end = refined(before[k]);
     // A curve has counted its starts.
     if (end.x != before[k].x && !is_of_curve(end)) after[k] = end;

@@ -2,6 +2,7 @@
 // additions ends at the same ones.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <stillbase/search/search.hpp>
@@ -20,8 +21,11 @@ class Refinement {
   /// Whether there are exact derivatives for Newton steps. Otherwise nothing changes.
   bool is_possible() const;
 
+  using Counts = std::function<bool(const Solution&)>;
+
   /// Local minima of the nominal value. After a stop some are left as they are.
-  void refine_nominal(std::vector<Solution>& solutions) const;
+  /// @param counts the others stay as they are, too; called by several threads
+  void refine_nominal(std::vector<Solution>& solutions, const Counts& counts) const;
   /// Local minima of the measure, likewise.
   void refine_measure(std::vector<Solution>& solutions) const;
 
@@ -30,7 +34,7 @@ class Refinement {
 
  private:
   template <class Refined>
-  void refine(std::vector<Solution>& solutions, const Refined& refined) const;
+  void refine(std::vector<Solution>& solutions, const Counts& counts, const Refined& refined) const;
   Solution by_measure(const Solution& from) const;
   bool takes_place_of(const Solution& from, const Solution& out, double most) const;
   Eigen::VectorXd rounded_zero(const Eigen::VectorXd& x) const;

@@ -300,11 +300,14 @@ class Search {
 
   /// Of another measure only the best by the nominal value, which is stated: the others are starts.
   void refine_nominal() {
-    if (measure_.is_nominal()) return refinement_.refine_nominal(solutions_);
+    if (measure_.is_nominal()) {
+      return refinement_.refine_nominal(solutions_, [](const Solution&) { return true; });
+    }
     double lowest = kInfinity;
     for (const Solution& solution : solutions_) lowest = std::min(lowest, solution.length());
     const double most = lowest + options_.as_good_before_refinement;
-    refine_those([&](const Solution& solution) { return solution.length() <= most; });
+    refinement_.refine_nominal(solutions_,
+                               [&](const Solution& solution) { return solution.length() <= most; });
   }
 
   /// Of the nominal solutions those that the list has room for beside the minima of the measure.
@@ -323,17 +326,8 @@ class Search {
       std::nth_element(values.begin(), last, values.end());
       most = *last;
     }
-    refine_those([&](const Solution& one) { return measure_.value(one.x) <= most; });
-  }
-
-  template <class Counts>
-  void refine_those(const Counts& counts) {
-    const auto end = std::stable_partition(solutions_.begin(), solutions_.end(), counts);
-    const std::vector<Solution> others(end, solutions_.end());
-    solutions_.erase(end, solutions_.end());
-    refinement_.refine_nominal(solutions_);
-    for (const Solution& solution : others)
-      keep_distinct(formulation_, solution, solutions_, options_.same_configuration);
+    refinement_.refine_nominal(solutions_,
+                               [&](const Solution& one) { return measure_.value(one.x) <= most; });
   }
 
   MeasureStarts first_starts(bool in_rounds) const {
