@@ -143,7 +143,8 @@ AfterContact accurate_run(const PostImpactSpec& spec, const ContactCase& subject
     AfterContact run = simulate_after_contact(subject, spec, controller, fixed);
     const SimulationSummary& summary = run.simulation.summary;
     const bool is_finished = run.simulation.status == SimulationStatus::Finished;
-    if (!is_finished || largest_step_angle(spec, summary) <= FirstRun::step_angle) return run;
+    const bool is_slow = largest_step_angle(spec, summary) <= FirstRun::step_angle;
+    if ((is_finished && is_slow) || options.stop.reached()) return run;
   }
   return simulate_after_contact(subject, spec, controller, options);
 }
