@@ -45,8 +45,11 @@ void Refinement::refine(std::vector<Solution>& solutions, const Counts& counts,
   for_each_index(jobs_, static_cast<int>(before.size()), {}, [&](int i) {
     const auto k = static_cast<std::size_t>(i);
     after[k] = before[k];
-    if (before[k].family >= 0 || options_.stop.reached() || !counts(before[k])) return;
-    const Solution end = refined(before[k]);
+    const bool is_done = before[k].is_refined || before[k].family >= 0;
+    if (is_done || options_.stop.reached() || !counts(before[k])) return;
+    after[k].is_refined = true;
+    Solution end = refined(before[k]);
+    end.is_refined = true;
     // A curve has counted its starts.
     if (end.x != before[k].x && !is_of_curve(end)) after[k] = end;
   });

@@ -18,6 +18,7 @@ struct Solution {
   int family = -1;  ///< the curve that it is on
   /// The solver ended here at a kink of a constraint, as nlp::OptimizeResult::at_kink has it.
   bool at_kink = false;
+  bool is_refined = false;  ///< to its last digits, as far as that goes
 
   double length() const { return std::sqrt(2 * objective); }  ///< |y|, in objective units
 };
