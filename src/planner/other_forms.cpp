@@ -86,12 +86,27 @@ Eigen::VectorXd variables_of_form(const CaptureProblem& problem, const SearchRes
 
 namespace {
 
+/// Whether the masses that a joint turns are the same at each of its angles.
+bool turns_like_a_top(const RobotModel& robot, int joint) {
+  constexpr double kRounding = 1e-9;
+  const auto k = static_cast<std::size_t>(joint);
+  const bool is_last = std::none_of(robot.joints.begin(), robot.joints.end(),
+                                    [joint](const Joint& one) { return one.parent == joint; });
+  if (robot.is_coupled() || robot.joints[k].is_prismatic() || !is_last) return false;
+  // The axis is z of the body.
+  const Body& body = robot.bodies[k];
+  const Matrix3d& I = body.inertia;
+  const double uneven = std::max(
+      {std::abs(I(0, 0) - I(1, 1)), std::abs(I(0, 1)), std::abs(I(0, 2)), std::abs(I(1, 2))});
+  return body.centroid.head<2>().norm() <= kRounding && uneven <= kRounding * I.norm();
+}
+
 /// Whether what a configuration exceeds after the impact it does at every angle of its free joint:
-/// nothing of the motion depends on that, but where this joint itself is, and what it touches.
+/// neither the impact nor the masses depend on that, but for the limits of this joint itself.
 bool fails_at_every_roll(const CaptureProblem& problem, const SearchResult& found,
                          std::size_t candidate, const std::string& failure) {
   const std::optional<int> joint = rolled_joint(found, candidate);
-  if (!joint || failure.empty()) return false;
+  if (!joint || failure.empty() || !turns_like_a_top(problem.robot, *joint)) return false;
   return !failure.starts_with(problem.robot.joints[static_cast<std::size_t>(*joint)].name);
 }
 
