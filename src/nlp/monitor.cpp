@@ -72,9 +72,12 @@ void Monitor::run_model(Point& point, bool with_derivatives) {
   point.has_derivatives = false;
   ++evaluations_;
   Evaluation& e = point.evaluation;
+  e.constraints.resize(multipliers_.size());  // it may be that of another solve
   if (with_derivatives) {
     ++gradient_evaluations_;
     e.far = far_;
+    e.gradient.resize(trial_.size());
+    e.jacobian.resize(multipliers_.size(), trial_.size());
     std::swap(e.workspace, memory_->workspace);
     problem_.evaluate(point.x, e);
     std::swap(e.workspace, memory_->workspace);

@@ -49,7 +49,9 @@ struct Evaluation {
   /// Set by the caller: evaluate() may give an inequality that holds by more than this as if it
   /// held by just this, with a zero gradient.
   double far = kInfinity;
-  Workspace workspace;  ///< of the problem, kept between calls
+  /// For evaluate(), kept between calls: what another one left there, of this or of another
+  /// problem.
+  Workspace workspace;
 };
 
 /// A problem. Every function is a pure function of its arguments: same x, same bytes, from any
