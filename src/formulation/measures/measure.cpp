@@ -275,7 +275,8 @@ nlp::Certificate Measure::certify(const Eigen::VectorXd& x) {
   if (is_nominal()) return nlp::certify(formulation_, x, {.second_order = true});
   if (const Known here = known(x); here.certificate) return *here.certificate;
   const nlp::Certificate certificate = certificate_at(x);
-  remember(x, [&](Known& here) { here.certificate = certificate; });
+  // Of what is simulated a stop may have come before all directions were known.
+  if (is_closed_form()) remember(x, [&](Known& here) { here.certificate = certificate; });
   return certificate;
 }
 

@@ -98,7 +98,7 @@ class Measure {
                          const Eigen::VectorXd& x0);
 
   /// KKT of the smooth form at x, without anything that the solver knew: active directions are
-  /// searched for. Kept, but for the nominal value.
+  /// searched for. Kept where nothing is simulated, but for the nominal value.
   nlp::Certificate certify(const Eigen::VectorXd& x);
 
   /// The local minimum of the measure over the uncertainty that x is near, to its last digits: see
