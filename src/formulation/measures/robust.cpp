@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -152,7 +153,10 @@ Step newton_step(const DirectionModel& model, const Spot& at) {
     step.along.setZero();
     step.is_to_top = false;
   }
-  if (step.along.norm() > longest) step.along *= longest / step.along.norm();
+  if (step.along.norm() > longest) {
+    step.along *= longest / step.along.norm();
+    step.is_to_top = false;
+  }
   return step;
 }
 
