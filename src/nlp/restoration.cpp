@@ -37,8 +37,9 @@ Eigen::VectorXd shortest_step(const Eigen::MatrixXd& J, Eigen::VectorXd r) {
     return sum;
   };
   const auto column = [&rows, n](Eigen::Index i) { return rows.data() + i * n; };
-  InPlaceMatrix<double, kUsual> left_of(Eigen::MatrixXd::Zero(m, 1));
-  double* const left = left_of.data();
+  InPlaceArray<double, kUsual> squares;  // of what is left
+  squares.resize(static_cast<std::size_t>(m));
+  double* const left = squares.data();
   for (Eigen::Index i = 0; i < m; ++i) left[i] = dot(column(i), column(i));
   double longest = 0;
   Eigen::Index rank = 0;
