@@ -102,6 +102,27 @@ TEST_CASE("a motion is stated by fixed steps where it is slow, by adaptive ones 
   CHECK(rate_after(motion_to_horizon(problem, subject, controller, {})) == adaptive());
 }
 
+TEST_CASE("a motion too fast for fixed steps is judged by adaptive ones") {
+  CaptureProblem problem = test::shipped("iiwa_client_50");
+  problem.post_impact.horizon = 0.2;
+  for (Joint& joint : problem.robot.joints) joint.lower = -kInfinity, joint.upper = kInfinity;
+  const Configuration at{problem.start, problem.base};
+  const PostImpactSpec& spec = problem.post_impact;
+  const Controller controller = *controller_of(spec, "joint_damping");
+  ContactCase subject = contact_case(problem, at, impact_at(problem, at));
+  subject.after.phidot.setConstant(300);
+  SimulationOptions fixed = judging_options(problem, {});
+  fixed.integrator = IntegratorKind::Rk4;
+  fixed.step = 0.01;
+  const auto status_after = [&](const SimulationOptions& options) {
+    return simulate_after_contact(subject, spec, controller, options).simulation.status;
+  };
+  REQUIRE(status_after(fixed) == SimulationStatus::Diverged);
+  REQUIRE(status_after(judging_options(problem, {})) == SimulationStatus::Finished);
+  CHECK(motion_to_horizon(problem, subject, controller, {}).simulation.status ==
+        SimulationStatus::Finished);
+}
+
 TEST_CASE("joints that rest at their stops state when they reached them") {
   CaptureProblem problem = test::shipped("planar_two_link_post_impact_a");
   const Configuration at{problem.start, problem.base};
