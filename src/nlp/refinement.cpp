@@ -168,9 +168,6 @@ class Refinement {
   /// where a number is not finite.
   std::optional<Eigen::VectorXd> step(const Eigen::VectorXd& x) {
     const Active active = active_at(x);
-    const bool is_new = H_.size() == 0;
-    if (is_new) H_ = hessian(x);
-    if (!H_.allFinite()) return std::nullopt;
     Eigen::VectorXd d = Eigen::VectorXd::Zero(x.size());
     Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(x.size(), x.size());
     if (active.normals.cols() > 0) {
@@ -179,6 +176,9 @@ class Refinement {
     }
     has_flat_ = is_bend_ = false;
     if (Z.cols() == 0) return d;
+    const bool is_new = H_.size() == 0;
+    if (is_new) H_ = hessian(x, Z);
+    if (!H_.allFinite()) return std::nullopt;
     const SymmetricEigen curvature = symmetric_eigen(Z.transpose() * H_ * Z);
     const Eigen::MatrixXd axes = Z * curvature.vectors;
     const Eigen::VectorXd slope = axes.transpose() * (here_.at.gradient + H_ * d);
@@ -198,31 +198,46 @@ class Refinement {
   /// beside which x lies, where the slope across it appears as a curvature along it. A minimum that
   /// so little curvature places is farther off than the longest step.
   void set_flat(const Eigen::VectorXd& slope) {
-    rounding_ = (problem_.has_hessian() ? options_.flat : options_.flat_by_differences) * H_.norm();
+    rounding_ = problem_.has_hessian() ? options_.flat * H_.norm()
+                                       : options_.flat_by_differences * std::max(H_.norm(), 1.0);
     flat_ = std::max(rounding_, options_.bend * slope.lpNorm<Eigen::Infinity>());
   }
 
-  /// Of the Lagrangian at x.
-  Eigen::MatrixXd hessian(const Eigen::VectorXd& x) const {
-    Eigen::MatrixXd H;
+  /// Of the Lagrangian at x. Without second derivatives of the problem as far as steps along the
+  /// columns of Z and their slopes need it: H Z by differences, and nothing across.
+  Eigen::MatrixXd hessian(const Eigen::VectorXd& x, const Eigen::MatrixXd& Z) const {
     if (problem_.has_hessian()) {
+      Eigen::MatrixXd H;
       problem_.lagrangian_hessian(x, 1, here_.certificate.multipliers, H);
       return H;
     }
-    H.setZero(x.size(), x.size());
     Evaluation there;
-    const auto slope_at = [&](Eigen::Index j, double xj) -> Eigen::VectorXd {
-      Eigen::VectorXd beside = x;
-      beside[j] = xj;
+    const auto slope_at = [&](const Eigen::VectorXd& beside) -> Eigen::VectorXd {
       problem_.evaluate(beside, there);
       return there.gradient + there.jacobian.transpose() * here_.certificate.multipliers;
     };
-    for (Eigen::Index j = 0; j < x.size(); ++j) {
-      const double above = std::min(x[j] + options_.difference, upper_[j]);
-      const double below = std::max(x[j] - options_.difference, lower_[j]);
-      if (above > below) H.col(j) = (slope_at(j, above) - slope_at(j, below)) / (above - below);
+    Eigen::MatrixXd HZ = Eigen::MatrixXd::Zero(Z.rows(), Z.cols());
+    for (Eigen::Index j = 0; j < Z.cols(); ++j) {
+      const double ahead = room_along(x, Z.col(j)), back = room_along(x, -Z.col(j));
+      if (ahead + back == 0) continue;
+      const Eigen::VectorXd above = slope_at(inside(x + ahead * Z.col(j)));
+      HZ.col(j) = (above - slope_at(inside(x - back * Z.col(j)))) / (ahead + back);
     }
-    return (H + H.transpose()) / 2;
+    const Eigen::MatrixXd ZHZ = Z.transpose() * HZ;
+    const Eigen::MatrixXd across = (HZ - Z * ZHZ) * Z.transpose();
+    return Z * ((ZHZ + ZHZ.transpose()) / 2) * Z.transpose() + across + across.transpose();
+  }
+
+  /// How far x may go along a direction to take a difference.
+  double room_along(const Eigen::VectorXd& x, const Eigen::VectorXd& direction) const {
+    constexpr double kNothing = 1e-9;  // of a unit vector: rounding
+    double room = options_.difference;
+    for (Eigen::Index j = 0; j < x.size(); ++j) {
+      const double slope = direction[j];
+      if (slope > kNothing) room = std::min(room, (upper_[j] - x[j]) / slope);
+      if (slope < -kNothing) room = std::min(room, (lower_[j] - x[j]) / slope);
+    }
+    return room;
   }
 
   const Problem& problem_;
