@@ -231,7 +231,9 @@ int plan_capture(const PlanRequest& request) {
   progress.clear();
   // The best that was found may still break what is asked of the time after the impact.
   std::string broken;
-  if (!planner.stop.reached()) broken = post_impact_failure(plan, planner.stop);
+  if (!planner.stop.reached() && !plan.is_known_to_hold) {
+    broken = post_impact_failure(plan, planner.stop);
+  }
   if (!broken.empty() && planner.stop.reached()) {  // this simulation was cut
     plan.status = PlanStatus::Limit;
     broken.clear();

@@ -426,6 +426,7 @@ PlanOfFeature plan_one_feature(const CaptureProblem& problem, const PlannerOptio
                               : choice.holds           ? PlanQuality::Holds
                               : arrives(plan.approach) ? PlanQuality::Arrives
                                                        : PlanQuality::Solved;
+  plan.is_known_to_hold = quality == PlanQuality::Holds;
   // Stopped in the approach or in the simulation after the impact: the configuration is good, the
   // plan is not complete.
   if (solved && quality != PlanQuality::Holds && options.stop.reached()) {

@@ -318,6 +318,9 @@ struct Plan {
   std::vector<PlanWarning> warnings;
   std::map<std::string, long> solver_calls;  ///< optimizer or planner name -> calls
   std::map<std::string, double> timing;      ///< s
+  /// Whether the planner knows that the configuration is reached and keeps the limits after the
+  /// impact. Not in the file: false of a plan that was read.
+  bool is_known_to_hold = false;
 };
 
 /// The least value among the candidates that satisfy the constraints minus the proven lower bound.
