@@ -228,7 +228,7 @@ TEST_CASE("parts hold what a closed mesh encloses, also where three cuts meet in
 }
 
 TEST_CASE("parts of many triangles hold all of them") {
-  const Mesh mesh = torus(300, 100);
+  const Mesh mesh = torus(150, 50);
   const std::vector<EnclosingHull> parts = convex_parts(mesh);
   CHECK(total_volume(parts) < 0.65 * enclosing_hull(mesh.vertices).volume);
   check_parts(mesh, parts);
