@@ -1,4 +1,3 @@
-#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
 #include <stdexcept>
@@ -8,9 +7,6 @@
 namespace stillbase {
 
 std::string sha256_hex(std::string_view bytes) {
-  // The system's configuration of OpenSSL says nothing about it, and takes milliseconds to read.
-  // Where something else has initialised the library this does nothing.
-  OPENSSL_init_crypto(OPENSSL_INIT_NO_LOAD_CONFIG, nullptr);
   unsigned char digest[EVP_MAX_MD_SIZE];
   unsigned int length = 0;
   if (EVP_Digest(bytes.data(), bytes.size(), digest, &length, EVP_sha256(), nullptr) != 1) {

@@ -176,8 +176,9 @@ class Refinement {
     }
     has_flat_ = is_bend_ = false;
     if (Z.cols() == 0) return d;
-    const bool is_new = H_.size() == 0;
+    const bool is_new = H_.size() == 0 || open_ != Z.cols();
     if (is_new) H_ = hessian(x, Z);
+    open_ = Z.cols();
     if (!H_.allFinite()) return std::nullopt;
     const SymmetricEigen curvature = symmetric_eigen(Z.transpose() * H_ * Z);
     const Eigen::MatrixXd axes = Z * curvature.vectors;
@@ -211,33 +212,30 @@ class Refinement {
       problem_.lagrangian_hessian(x, 1, here_.certificate.multipliers, H);
       return H;
     }
+    constexpr double kRounding = 1e-9;  // of unit vectors
     Evaluation there;
     const auto slope_at = [&](const Eigen::VectorXd& beside) -> Eigen::VectorXd {
       problem_.evaluate(beside, there);
       return there.gradient + there.jacobian.transpose() * here_.certificate.multipliers;
     };
-    Eigen::MatrixXd HZ = Eigen::MatrixXd::Zero(Z.rows(), Z.cols());
-    for (Eigen::Index j = 0; j < Z.cols(); ++j) {
-      const double ahead = room_along(x, Z.col(j)), back = room_along(x, -Z.col(j));
-      if (ahead + back == 0) continue;
-      const Eigen::VectorXd above = slope_at(inside(x + ahead * Z.col(j)));
-      HZ.col(j) = (above - slope_at(inside(x - back * Z.col(j)))) / (ahead + back);
+    const auto along = [&](const Eigen::VectorXd& v, double ahead, double back) -> Eigen::VectorXd {
+      const Eigen::VectorXd above = slope_at(inside(x + ahead * v));
+      return (above - slope_at(inside(x - back * v))) / (ahead + back);
+    };
+    const double h = options_.difference;
+    Eigen::MatrixXd HZ = Eigen::MatrixXd::Zero(Z.rows(), Z.cols()), roomy = Z;
+    // Variables at their bounds go one way, each by itself: together they might go none.
+    for (Eigen::Index j = 0; j < x.size(); ++j) {
+      const double ahead = std::min(h, upper_[j] - x[j]), back = std::min(h, x[j] - lower_[j]);
+      if (std::min(ahead, back) >= h || Z.row(j).norm() <= kRounding) continue;
+      roomy.row(j).setZero();
+      if (ahead + back < h / 2) continue;  // it is as good as fixed
+      HZ += along(Eigen::VectorXd::Unit(x.size(), j), ahead, back) * Z.row(j);
     }
+    for (Eigen::Index j = 0; j < Z.cols(); ++j) HZ.col(j) += along(roomy.col(j), h, h);
     const Eigen::MatrixXd ZHZ = Z.transpose() * HZ;
     const Eigen::MatrixXd across = (HZ - Z * ZHZ) * Z.transpose();
     return Z * ((ZHZ + ZHZ.transpose()) / 2) * Z.transpose() + across + across.transpose();
-  }
-
-  /// How far x may go along a direction to take a difference.
-  double room_along(const Eigen::VectorXd& x, const Eigen::VectorXd& direction) const {
-    constexpr double kNothing = 1e-9;  // of a unit vector: rounding
-    double room = options_.difference;
-    for (Eigen::Index j = 0; j < x.size(); ++j) {
-      const double slope = direction[j];
-      if (slope > kNothing) room = std::min(room, (upper_[j] - x[j]) / slope);
-      if (slope < -kNothing) room = std::min(room, (lower_[j] - x[j]) / slope);
-    }
-    return room;
   }
 
   const Problem& problem_;
@@ -246,6 +244,7 @@ class Refinement {
   Eigen::VectorXd along_flat_;  // what steps go along flat directions
   Eigen::VectorXd beyond_;      // the bound of each row, where it has a kink
   Eigen::MatrixXd H_;           // of the Lagrangian, while the active set is one: x hardly moves
+  Eigen::Index open_ = 0;       // directions that the active set leaves open
   double rounding_ = 0;         // of its curvatures
   double flat_ = 0;             // curvature that may be none, where H was taken
   double violation_ = 0;        // the largest acceptable one

@@ -449,7 +449,7 @@ class Stage {
           arrives(any.approach) ? exclusion::kOtherPathFirst : no_path_words(any.approach);
     }
     if (!arrives(any.approach)) {
-      if (path_decides(problem_)) chosen_.approach = any.approach;
+      if (path_decides(problem_) && !has_fallback_) chosen_.approach = any.approach;
       return false;
     }
     return reached.other ? take_form(any.approach, reached)

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <stillbase/core/random.hpp>
 #include <stillbase/nlp/certificate.hpp>
 
 #include "nlp/known_problems.hpp"
@@ -83,6 +84,34 @@ TEST_CASE("an active bound and an active row are met exactly, those without a fo
   // The minimum lies on the bound of x0 by chance.
   p.u[0] = 2;
   CHECK(distance(refined_minimum(p, vec({2 - 3e-7, 2e-8, 2 - 5e-7})), vec({2, 0, 2})) < 1e-14);
+}
+
+TEST_CASE("without a Hessian bounds that a minimum meets by chance are no walls for its steps") {
+  // Minimise d' H d / 2 + a' d, d = x - c, on a' d = 0; x0, x1 and, from below, x2 at their bounds.
+  Random random(1);
+  const auto normal = [&random](Eigen::Index rows, Eigen::Index cols) -> Eigen::MatrixXd {
+    return Eigen::MatrixXd::NullaryExpr(rows, cols, [&random] { return random.normal(); });
+  };
+  for (int trial = 0; trial < 100; ++trial) {
+    const Eigen::VectorXd c = normal(5, 1), a = normal(5, 1);
+    const Eigen::MatrixXd root = normal(5, 5);
+    const Eigen::MatrixXd H = root * root.transpose() + Eigen::MatrixXd::Identity(5, 5);
+    KnownProblem p = valley(Eigen::VectorXd::Ones(5), c);
+    p.hessian = nullptr;
+    p.g_l = p.g_u = Eigen::VectorXd::Constant(1, a.dot(c));
+    p.model = [H, a, c](const Eigen::VectorXd& x, Evaluation& e) {
+      const Eigen::VectorXd d = x - c;
+      e.objective = d.dot(H * d) / 2 + a.dot(d);
+      e.gradient = H * d + a;
+      e.constraints[0] = a.dot(x);
+      e.jacobian = a.transpose();
+    };
+    p.u.head(2) = c.head(2);
+    p.l[2] = c[2];
+    const Eigen::VectorXd start = (c + 1e-7 * normal(5, 1)).cwiseMax(p.l).cwiseMin(p.u);
+    CAPTURE(trial);
+    CHECK(distance(refined_minimum(p, start), c) < 1e-12);
+  }
 }
 
 TEST_CASE("along a direction in which nothing changes x is rounded, and stays where it was") {

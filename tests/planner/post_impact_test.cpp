@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <stillbase/encounter/encounter.hpp>
+#include <stillbase/planner/planner.hpp>
 #include <stillbase/planner/post_impact.hpp>
 
 #include "planner/after_impact.hpp"
@@ -25,6 +26,18 @@ TEST_CASE("a controller that demands more than a joint's torque limit breaks a l
   problem.post_impact.attitude_change_max = 3;
   CHECK(post_impact_failure(problem, at, impact, {}) ==
         problem.robot.joints[0].name + " exceeds its torque limit");
+}
+
+TEST_CASE("a plan that is known to hold keeps its limits after the impact") {
+  CaptureProblem problem = test::shipped("iiwa_client_50");
+  problem.search.starts = 8;
+  const Plan holds = make_plan(problem);
+  CHECK(holds.is_known_to_hold);
+  CHECK(post_impact_failure(holds) == "");
+  problem.post_impact.attitude_change_max = 1e-6;
+  const Plan breaks = make_plan(problem);
+  CHECK_FALSE(breaks.is_known_to_hold);
+  CHECK(post_impact_failure(breaks) != "");
 }
 
 TEST_CASE("limits far from what a run uses and just beside it are judged alike") {
