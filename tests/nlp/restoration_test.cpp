@@ -67,8 +67,7 @@ TEST_CASE("a step meets a row that nearly depends on the others as well") {
 }
 
 TEST_CASE("variables at a bound that a step would leave stay there") {
-  Eigen::MatrixXd J(1, 3);
-  J << 1, 2, 2;
+  const Eigen::RowVector3d J(1, 2, 2);
   const Eigen::VectorXd r = Eigen::VectorXd::Constant(1, 3);
   const Eigen::Vector3d x(0, 0, 5), lower(0, -9, -9), upper(9, 9, 9);
   const Eigen::VectorXd step = step_within_box(J, r, x, lower, upper);
