@@ -84,9 +84,6 @@ Eigen::VectorXd variables_of_form(const CaptureProblem& problem, const SearchRes
   return x;
 }
 
-namespace {
-
-/// Whether the masses that a joint turns are the same at each of its angles.
 bool turns_like_a_top(const RobotModel& robot, int joint) {
   constexpr double kRounding = 1e-9;
   const auto k = static_cast<std::size_t>(joint);
@@ -100,6 +97,8 @@ bool turns_like_a_top(const RobotModel& robot, int joint) {
       {std::abs(I(0, 0) - I(1, 1)), std::abs(I(0, 1)), std::abs(I(0, 2)), std::abs(I(1, 2))});
   return body.centroid.head<2>().norm() <= kRounding && uneven <= kRounding * I.norm();
 }
+
+namespace {
 
 /// Whether what a configuration exceeds after the impact it does at every angle of its free joint:
 /// neither the impact nor the masses depend on that, but for the limits of this joint itself.

@@ -27,6 +27,10 @@ std::vector<Configuration> other_rolls_of(const CaptureProblem& problem, const S
 Eigen::VectorXd variables_of_form(const CaptureProblem& problem, const SearchResult& found,
                                   std::size_t candidate, const Configuration& form);
 
+/// Whether the masses that a joint turns are the same at each of its angles: it carries one body,
+/// which has its centroid on the axis and equal moments about it.
+bool turns_like_a_top(const RobotModel& robot, int joint);
+
 /// Puts another form in place of each candidate that touches something or breaks a limit after the
 /// impact, where one does neither: the first of at most `other_turns` and `other_rolls`, of at most
 /// `max_approaches` candidates. Those behind the first one that does neither stay as they are.

@@ -93,6 +93,23 @@ TEST_CASE("a posture that runs into a stop is taken a turn away from it") {
         candidate.configuration.phi[0]);
 }
 
+TEST_CASE("a last body turns like a top unless its masses lie unevenly about the axis") {
+  const RobotModel round = test::shipped("iiwa_client_50").robot;
+  const int last = round.n() - 1;
+  CHECK(turns_like_a_top(round, last));
+  CHECK_FALSE(turns_like_a_top(round, last - 1));  // it carries the last one
+  const auto turns_with = [&](const auto& change) {
+    RobotModel robot = round;
+    change(robot.bodies[static_cast<std::size_t>(last)]);
+    return turns_like_a_top(robot, last);
+  };
+  CHECK(turns_with([](Body& body) { body.centroid.z() += 0.1; }));
+  CHECK(turns_with([](Body& body) { body.inertia(2, 2) *= 1.1; }));
+  CHECK_FALSE(turns_with([](Body& body) { body.centroid.y() += 1e-3; }));
+  CHECK_FALSE(turns_with([](Body& body) { body.inertia(0, 0) *= 1.01; }));
+  CHECK_FALSE(turns_with([](Body& body) { body.inertia(0, 2) = body.inertia(2, 0) = 1e-4; }));
+}
+
 TEST_CASE("what another joint exceeds after the impact it exceeds at every roll of a free one") {
   const CaptureProblem problem = test::shipped("iiwa_client_50");
   SearchOptions few;
