@@ -205,7 +205,7 @@ class Refinement {
   }
 
   /// Of the Lagrangian at x. Without second derivatives of the problem as far as steps along the
-  /// columns of Z and their slopes need it: H Z by differences, and nothing across.
+  /// columns of Z and their slopes need it: H Z by differences, zero between two directions across.
   Eigen::MatrixXd hessian(const Eigen::VectorXd& x, const Eigen::MatrixXd& Z) const {
     if (problem_.has_hessian()) {
       Eigen::MatrixXd H;
@@ -234,8 +234,8 @@ class Refinement {
     }
     for (Eigen::Index j = 0; j < Z.cols(); ++j) HZ.col(j) += along(roomy.col(j), h, h);
     const Eigen::MatrixXd ZHZ = Z.transpose() * HZ;
-    const Eigen::MatrixXd across = (HZ - Z * ZHZ) * Z.transpose();
-    return Z * ((ZHZ + ZHZ.transpose()) / 2) * Z.transpose() + across + across.transpose();
+    const Eigen::MatrixXd mixed = (HZ - Z * ZHZ) * Z.transpose();  // one across, one along
+    return Z * ((ZHZ + ZHZ.transpose()) / 2) * Z.transpose() + mixed + mixed.transpose();
   }
 
   const Problem& problem_;

@@ -21,7 +21,7 @@ struct RefinementOptions {
   double active = 1e-6;  ///< as CertificateOptions::activity_tolerance
   double longest_step = 1e-3;         ///< in any variable; solvers that ended are nearer
   double flat = 1e-10;                ///< of the norm of the Hessian: less curvature is rounding
-  double flat_by_differences = 1e-8;  ///< the same of differences; rows are of order one
+  double flat_by_differences = 1e-8;  ///< the same by differences, at least of 1
   double bend = 100;                  ///< of the remaining slope: curvature that it may be alone
   double grid = 1e-5;                 ///< onto which x is rounded along flat directions
   double difference = 1e-6;           ///< step in x where the problem has no Hessian
