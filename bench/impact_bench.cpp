@@ -172,8 +172,8 @@ void forward_dynamics(benchmark::State& state) {
   plant.phidot = joint_rates();
   measure(state, [&] {
     plant.phi = postures.next();
-    const PlantTerms terms(robot(), no_rotors, plant);
-    const auto acceleration = compute_acceleration(terms, Vector6d::Zero(), no_rotors);
+    const auto acceleration =
+        compute_acceleration(robot(), no_rotors, plant, Vector6d::Zero(), no_rotors);
     benchmark::DoNotOptimize(acceleration.phiddot.data());
     benchmark::ClobberMemory();
   });
@@ -195,6 +195,29 @@ void jump_of_chain(benchmark::State& state) {
   });
 }
 BENCHMARK(jump_of_chain)->Arg(7)->Arg(14)->Arg(20)->Arg(21)->Arg(60);
+
+/// The accelerations of the same chains, by the route that their size chooses or by the inertia
+/// matrix.
+void forward_dynamics_of_chain(benchmark::State& state, bool by_matrix) {
+  const int n = static_cast<int>(state.range(0));
+  Random random(1);
+  const RobotModel chain = random_robot(random, n, false);
+  Postures postures(n);
+  const JointVectord none = JointVectord::Zero(n);
+  PlantState plant = state_at_rest({}, none);
+  for (double& rate : plant.phidot) rate = random.uniform(-0.1, 0.1);
+  const Vector6d F_b = Vector6d::Zero();
+  measure(state, [&] {
+    plant.phi = postures.next();
+    const PlantAcceleration acceleration =
+        by_matrix ? compute_acceleration(PlantTerms(chain, none, plant), F_b, none)
+                  : compute_acceleration(chain, none, plant, F_b, none);
+    benchmark::DoNotOptimize(acceleration.phiddot.data());
+    benchmark::ClobberMemory();
+  });
+}
+BENCHMARK_CAPTURE(forward_dynamics_of_chain, chosen, false)->Arg(14)->Arg(20)->Arg(21)->Arg(60);
+BENCHMARK_CAPTURE(forward_dynamics_of_chain, by_matrix, true)->Arg(14)->Arg(20)->Arg(21)->Arg(60);
 
 /// One evaluation as an optimizer sees it: objective, gradient, constraints, Jacobian.
 void formulation_evaluate(benchmark::State& state) {

@@ -50,7 +50,7 @@ InertiaMatrices<double> inertia_in_registers(const WideKernel& kernel, const Rob
 
 template <>
 Kinematics<double> compute_kinematics(const RobotModel& robot, const JointVectord& phi) {
-  const WideKernel* const wide = wide_kernel(robot);
+  const WideKernel* const wide = wide_passes(robot);
   return wide != nullptr ? kinematics_in_registers(*wide, robot, phi)
                          : kernel::kinematics<double>(robot, phi);
 }
@@ -78,7 +78,7 @@ BiasForces<double> compute_bias(const RobotModel& robot, const Kinematics<double
                                 const Matrix3d* I, const Vector6d& Omega,
                                 const JointVectord& phidot) {
   assert(phidot.size() == robot.n());
-  const WideKernel* const wide = wide_kernel(robot);
+  const WideKernel* const wide = wide_passes(robot);
   if (wide == nullptr || robot.is_coupled()) {
     return kernel::bias<double>(robot, kin, I, Omega, phidot);
   }

@@ -10,7 +10,7 @@
 
 namespace stillbase {
 
-/// Robots with more bodies have no wide kernel.
+/// Robots with more bodies have no matrices in wide registers, but poses and bias forces.
 inline constexpr int kWideBodies = kJointsInPlace<double>;
 
 /// Where compute_kinematics() writes: 9 numbers per body, column by column, 3 and 3.
@@ -46,23 +46,55 @@ struct WideMotion {
   double *Omega, *phidot;
 };
 
+/// What acts on the base, [force; moment] about its centroid, and at the joints.
+struct WideLoad {
+  const double *F_b, *tau;
+};
+
 /// Where compute_bias() writes.
 struct WideBias {
   double *c_b, *c_phi;
 };
 
-/// Of robots with 1 to kWideBodies bodies.
+/// A motion, and the impulse [force; moment about the hand's origin] on the hand.
+struct WideLoadedMotion {
+  const double *Omega, *phidot, *F;
+};
+
+/// Where the impulses of two motions act, and their moment on each other's motion.
+struct WideHandLoads {
+  const double *r_bh, *moment;
+};
+
+/// Two rotations u and w of the whole robot about its centroid.
+struct WideRotations {
+  const double *r_bg, *u, *w;
+};
+
+/// Of robots with bodies.
 struct WideKernel {
   bool (*runs_here)();  ///< on this processor
   void (*kinematics)(const RobotModel& robot, const WideJoints& at, const WidePoses& out);
   // Without couplings.
-  void (*inertia)(const RobotModel& robot, const KnownWidePoses& poses, const WideInertia& out);
   /// @param I 9 per body
   void (*bias)(const RobotModel& robot, const KnownWidePoses& poses, const double* I,
                const KnownWideMotion& motion, const WideBias& out);
+  // And with at most kWideBodies bodies.
+  void (*inertia)(const RobotModel& robot, const KnownWidePoses& poses, const WideInertia& out);
   /// @param added_inertia of each joint
   void (*jump)(const RobotModel& robot, const WideJoints& at, const double* added_inertia,
                const double* F, const WideMotion& out);
+  void (*motion)(const RobotModel& robot, const WideJoints& at, const double* added_inertia,
+                 const KnownWideMotion& now, const WideLoad& load, const WideMotion& out);
+  // Both add to the gradient (n).
+  /// @param I 9 per body
+  void (*motion_gradient)(const RobotModel& robot, const KnownWidePoses& poses, const double* I,
+                          const WideHandLoads& hand, const WideLoadedMotion& a,
+                          const WideLoadedMotion& b, double* gradient);
+  /// @param subtrees 13 per body, as WideInertia
+  void (*rotation_gradient)(const RobotModel& robot, const KnownWidePoses& poses,
+                            const double* subtrees, const WideRotations& rotations,
+                            double* gradient);
 };
 
 /// Null where the compiler has no such registers.
@@ -70,5 +102,7 @@ const WideKernel* wide_kernel_avx2();
 
 /// Null where the processor has no such registers or the robot has too many bodies, or none.
 const WideKernel* wide_kernel(const RobotModel& robot);
+/// The same, however many bodies: for poses and bias forces alone.
+const WideKernel* wide_passes(const RobotModel& robot);
 
 }  // namespace stillbase

@@ -42,7 +42,7 @@ struct WidePose {
 }
 
 void wide_kinematics(const RobotModel& robot, const WideJoints& at, const WidePoses& out) {
-  WidePose poses[kWideBodies];
+  WidePose poses[kMaxJoints];
   place_bodies(robot, at, poses);
   const auto n = static_cast<int>(robot.bodies.size());
   for (int k = 0; k < n; ++k) {

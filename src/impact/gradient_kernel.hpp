@@ -1,11 +1,14 @@
 // The lines of <stillbase/impact/gradient.hpp>, for any number type.
 #pragma once
 
+#include <type_traits>
+
 #include <stillbase/impact/gradient.hpp>
 
 #include "dynamics/cholesky.hpp"
 #include "dynamics/inertia_factor_kernel.hpp"
 #include "dynamics/inertia_kernel.hpp"
+#include "dynamics/wide_kernel.hpp"
 
 namespace stillbase {
 
@@ -27,9 +30,25 @@ inline SpatialVector<S> joint_axis(const RobotModel& robot, const Kinematics<S>&
 template <class S>
 using JointAxes = BodyWorkspace<SpatialVector<S>, S>;
 
+/// The sums over the tree in wide registers; null: those of the templates.
+template <class S>
+static const WideKernel* registers_for(const RobotModel& robot) {
+  if constexpr (std::is_same_v<S, double>) {
+    return robot.is_coupled() ? nullptr : wide_kernel(robot);
+  } else {
+    return nullptr;
+  }
+}
+
+inline KnownWidePoses plain_poses(const Kinematics<double>& kin) {
+  return {kin.R.data()->data(), kin.o.data()->data(), kin.c.data()->data()};
+}
+
+/// For the sums over the tree; not set where wide registers take them.
 template <class S>
 static JointAxes<S> joint_axes(const RobotModel& robot, const Kinematics<S>& kin) {
   JointAxes<S> axes;
+  if (registers_for<S>(robot) != nullptr) return axes;
   for (int k = 0; k < kin.n; ++k) axes[k] = joint_axis(robot, kin, k);
   return axes;
 }
@@ -85,6 +104,18 @@ static void add_motion_gradient(const RobotModel& robot, const PostureImpact<S>&
                                 const JointAxes<S>& axes, const LoadedMotion<S>& a,
                                 const LoadedMotion<S>& b, const Vector3<S>& hand_moment,
                                 JointVector<S>& gradient) {
+  if constexpr (std::is_same_v<S, double>) {
+    if (const WideKernel* wide = registers_for<S>(robot); wide != nullptr) {
+      const auto plain = [](const LoadedMotion<S>& one) {
+        return WideLoadedMotion{one.x.Omega.data(), one.x.phidot.data(), one.F.data()};
+      };
+      wide->motion_gradient(robot, plain_poses(posture.kinematics),
+                            posture.inertia.I.data()->data(),
+                            {posture.kinematics.r_bh.data(), hand_moment.data()}, plain(a),
+                            plain(b), gradient.data());
+      return;
+    }
+  }
   const SubtreeMomenta<S> of_a(robot, posture, axes, a);
   const SubtreeMomenta<S> of_b(robot, posture, axes, b);
   for (int k = 0; k < posture.kinematics.n; ++k) {
@@ -126,6 +157,13 @@ static void add_locked_rotation_gradient(const RobotModel& robot, const PostureI
                                          const JointAxes<S>& axes, const Vector3<S>& u,
                                          const Vector3<S>& w, JointVector<S>& gradient) {
   const Vector3<S>& r = posture.inertia.r_bg;
+  if constexpr (std::is_same_v<S, double>) {
+    if (const WideKernel* wide = registers_for<S>(robot); wide != nullptr) {
+      wide->rotation_gradient(robot, plain_poses(posture.kinematics), &posture.inertia.subtree[0].m,
+                              {r.data(), u.data(), w.data()}, gradient.data());
+      return;
+    }
+  }
   const S uw = u.dot(w), ur = u.dot(r), wr = w.dot(r);
   for (int k = 0; k < posture.kinematics.n; ++k) {
     const RigidInertia<S>& body = posture.inertia.subtree[k];

@@ -116,12 +116,22 @@ void ClosedLoop::go_on_from(const Sensing& sensing, const ControlCommand& comman
   saturated_ = saturated;
 }
 
+bool ClosedLoop::knows_terms_at(const StateVector& x) const {
+  return terms_ && terms_x_.size() == x.size() && terms_x_ == x;
+}
+
 const PlantTerms& ClosedLoop::terms_at(const StateVector& x, const PlantState& state) {
-  if (!terms_ || terms_x_.size() != x.size() || terms_x_ != x) {
+  if (!knows_terms_at(x)) {
     terms_.emplace(robot_, rotor_inertia_, state);
     terms_x_ = x;
   }
   return *terms_;
+}
+
+PlantAcceleration ClosedLoop::acceleration(const StateVector& x, const PlantState& state,
+                                           const Load& load) {
+  if (knows_terms_at(x)) return compute_acceleration(*terms_, load.F_b, load.tau, held_);
+  return compute_acceleration(robot_, rotor_inertia_, state, load.F_b, load.tau, held_);
 }
 
 void ClosedLoop::sample(double t, const StateVector& x) {
@@ -165,8 +175,7 @@ double ClosedLoop::coulomb(int k) const {
   return options_.friction ? robot_.joints[k].coulomb_friction : 0;
 }
 
-ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantState& state,
-                                  const PlantTerms& terms) {
+ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantState& state) {
   Load load{Vector6d::Zero(), command_.tau};
   if (options_.friction) {
     for (int k = 0; k < n(); ++k) {
@@ -183,6 +192,7 @@ ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantSta
   if (options_.base_wrench) load.F_b += options_.base_wrench(t, state);
   if (encounter_ == nullptr) return load;
   if (contact_.phase == ContactPhase::Touching) {
+    const PlantTerms& terms = terms_at(x, state);
     const HandLoad hand = hand_load(x, state, terms);
     Vector6d F_h;
     F_h << state.base.orientation.conjugate() * hand.force_N, Vector3d::Zero();
@@ -200,14 +210,14 @@ ClosedLoop::Load ClosedLoop::load(double t, const StateVector& x, const PlantSta
 
 void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, Recorder* recorder) {
   const PlantState state = unpack(x, n());
-  const PlantTerms& terms = terms_at(x, state);
   if (options_.control_period <= 0) {
-    command(state, terms, t - options_.start_time);
+    command(state, terms_at(x, state), t - options_.start_time);
     limit(state.phidot);
   }
-  const Load forces = load(t, x, state, terms);
-  const PlantAcceleration acceleration = compute_acceleration(terms, forces.F_b, forces.tau, held_);
+  if (recorder != nullptr || encounter_ != nullptr) terms_at(x, state);
+  const PlantAcceleration acceleration = this->acceleration(x, state, load(t, x, state));
   if (recorder != nullptr) {
+    const PlantTerms& terms = terms_at(x, state);
     if (options_.grasp.target) {
       recorder->observe_grip(
           grip_wrench(*options_.grasp.target, robot_, terms.kinematics, state, acceleration));
@@ -238,6 +248,7 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, R
   Vector3d force = Vector3d::Zero();
   Vector3d moment = Vector3d::Zero();  // in T
   if (contact_.phase == ContactPhase::Touching) {
+    const PlantTerms& terms = terms_at(x, state);
     force = -hand_load(x, state, terms).force_N;
     const Vector3d hand = state.base * terms.kinematics.r_bh;
     const Vector3d arm_N = hand - target.pose.position;

@@ -102,10 +102,13 @@ class ClosedLoop {
     int joint = -1;
     double torque = 0;  ///< that would hold it, N m (N)
   };
+  bool knows_terms_at(const StateVector& x) const;
   const PlantTerms& terms_at(const StateVector& x, const PlantState& state);
+  /// Of the terms where they are known, else without them.
+  PlantAcceleration acceleration(const StateVector& x, const PlantState& state, const Load& load);
   void command(const PlantState& state, const PlantTerms& terms, double elapsed);
   void limit(const JointVectord& phidot);
-  Load load(double t, const StateVector& x, const PlantState& state, const PlantTerms& terms);
+  Load load(double t, const StateVector& x, const PlantState& state);
   HandLoad hand_load(const StateVector& x, const PlantState& state, const PlantTerms& terms) const;
   JointEvent event_of(int k, const PlantState& state) const;
   Overload overload(double t, const StateVector& x, const PlantState& state);

@@ -74,7 +74,7 @@ ClosedLoop::Overload ClosedLoop::overload(double t, const StateVector& x, const 
   Overload worst;
   if (held_.empty()) return worst;
   const PlantTerms& terms = terms_at(x, state);
-  const Load forces = load(t, x, state, terms);
+  const Load forces = load(t, x, state);
   const PlantAcceleration motion = compute_acceleration(terms, forces.F_b, forces.tau, held_);
   const JointVectord needed = holding_torque(terms, motion, forces.tau);
   double most_beyond = 0;

@@ -1,7 +1,11 @@
 #include <stillbase/simulation/plant.hpp>
 
+#include <algorithm>
+
+#include <stillbase/dynamics/articulated_body.hpp>
 #include <stillbase/impact/gradient.hpp>
 
+#include "dynamics/wide_joint_values.hpp"
 #include "simulation/motion_kernel.hpp"
 
 namespace stillbase {
@@ -24,6 +28,29 @@ PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& 
   const auto factor = factorize_inertia<double>(terms.inertia, terms.tilde, nothing_added, held);
   const auto motion = acceleration_of<double>(factor, terms.bias, F_b, tau);
   return {motion.Omega, motion.phidot};
+}
+
+PlantAcceleration compute_acceleration(const RobotModel& robot, const JointVectord& rotor_inertia,
+                                       const PlantState& state, const Vector6d& F_b,
+                                       const JointVectord& tau, const std::vector<bool>& held) {
+  const bool moves_freely = std::find(held.begin(), held.end(), true) == held.end();
+  const WideKernel* const wide = robot.is_coupled() ? nullptr : wide_kernel(robot);
+  if (wide != nullptr && moves_freely) {
+    PlantAcceleration out;
+    out.phiddot.resize(robot.n());
+    wide->motion(robot, WideJointValues(robot, state.phi).plain(), rotor_inertia.data(),
+                 {state.Omega.data(), state.phidot.data()}, {F_b.data(), tau.data()},
+                 {out.dot_Omega.data(), out.phiddot.data()});
+    return out;
+  }
+  if (robot.n() >= kArticulatedBodyJoints && !robot.is_coupled()) {
+    const auto kinematics = compute_kinematics<double>(robot, state.phi);
+    const auto bodies = factorize_articulated_bodies(robot, kinematics, rotor_inertia, held);
+    const auto motion = articulated_acceleration<double>(robot, kinematics, bodies, state.Omega,
+                                                         state.phidot, F_b, tau);
+    return {motion.Omega, motion.phidot};
+  }
+  return compute_acceleration(PlantTerms(robot, rotor_inertia, state), F_b, tau, held);
 }
 
 JointVectord holding_torque(const PlantTerms& terms, const PlantAcceleration& acceleration,

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <vector>
 
+#include "core/tangent.hpp"
 #include "dynamics/bias_kernel.hpp"
 #include "dynamics/inertia_kernel.hpp"
 #include "dynamics/kinematics_kernel.hpp"
 #include "dynamics/wide_kernel.hpp"
+#include "impact/gradient_kernel.hpp"
 #include "impact/jump_kernel.hpp"
 #include "support/random_robot.hpp"
 
@@ -18,7 +20,8 @@ namespace {
 
 /// What a kernel computes of a posture.
 struct Wide {
-  std::vector<double> R, o, c, I, subtree, H_bphi, H_phi, total, c_b, c_phi, Omega, phidot;
+  std::vector<double> R, o, c, I, subtree, H_bphi, H_phi, total, c_b, c_phi, Omega, phidot,
+      dot_Omega, phiddot, by_motion, by_rotation;
 
   Wide(const WideKernel& kernel, const RobotModel& robot, const JointVectord& phi, double mark = 0)
       : Wide(static_cast<std::size_t>(robot.n()), mark) {
@@ -36,9 +39,19 @@ struct Wide {
                    {I.data(), subtree.data(), H_bphi.data(), H_phi.data(), total.data()});
     kernel.bias(robot, poses, I.data(), {twist.data(), rates.data()}, {c_b.data(), c_phi.data()});
     kernel.jump(robot, at, rates.data(), twist.data(), {Omega.data(), phidot.data()});
+    const KnownWideMotion now{twist.data(), rates.data()};
+    kernel.motion(robot, at, rates.data(), now, {twist.data(), rates.data()},
+                  {dot_Omega.data(), phiddot.data()});
+    const std::vector<double> vector{0.3, 0.2, -0.1};
+    kernel.motion_gradient(robot, poses, I.data(), {vector.data(), vector.data()},
+                           {twist.data(), rates.data(), twist.data()},
+                           {Omega.data(), rates.data(), twist.data()}, by_motion.data());
+    kernel.rotation_gradient(robot, poses, subtree.data(),
+                             {vector.data(), twist.data(), vector.data()}, by_rotation.data());
   }
   std::vector<std::vector<double>> all() const {
-    return {R, o, c, I, subtree, H_bphi, H_phi, total, c_b, c_phi, Omega, phidot};
+    return {R,   o,     c,     I,      subtree,   H_bphi,  H_phi,     total,
+            c_b, c_phi, Omega, phidot, dot_Omega, phiddot, by_motion, by_rotation};
   }
 
  private:
@@ -55,7 +68,11 @@ struct Wide {
         c_b(6 + 4, mark),
         c_phi(n + 4, mark),
         Omega(c_b),
-        phidot(c_phi) {}
+        phidot(c_phi),
+        dot_Omega(c_b),
+        phiddot(c_phi),
+        by_motion(c_phi),
+        by_rotation(c_phi) {}
 };
 
 JointVectord random_positions(Random& random, int n) {
@@ -94,8 +111,8 @@ TEST_CASE("wide registers give what the templates do") {
     if (size > 0) worst = std::max(worst, (a - b).cwiseAbs().maxCoeff() / size);
   };
   for (int trial = 0; trial < 400; ++trial) {
-    const int n = 1 + trial % kWideBodies;
-    const bool is_tree = trial / kWideBodies % 2 == 0;
+    const int n = 1 + trial % kMaxJoints;
+    const bool is_tree = trial / kMaxJoints % 2 == 0;
     const RobotModel robot = random_robot_with_drives(random, n, is_tree);
     const JointVectord phi = random_positions(random, n);
     const Kinematics<double> kin = compute_kinematics<double>(robot, phi);
@@ -134,13 +151,13 @@ TEST_CASE("bias and jump in wide registers are what the templates give") {
     REQUIRE(a.allFinite());
     worst = std::max(worst, (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff());
   };
-  for (int trial = 0; trial < 400; ++trial) {
-    const int n = 1 + trial % kWideBodies;
-    const bool is_tree = trial / kWideBodies % 2 == 0;
+  for (int trial = 0; trial < 6 * kMaxJoints; ++trial) {
+    const int n = 1 + trial % kMaxJoints;
+    const bool is_tree = trial / kMaxJoints % 2 == 0;
     RobotModel robot = random_robot_with_drives(random, n, is_tree);
     // On a leaf, on the base, or on a body in between.
-    if (trial / kWideBodies % 3 != 0) {
-      put_hand(robot, trial / kWideBodies % 3 == 1 ? kBase : trial % n);
+    if (trial / kMaxJoints % 3 != 0) {
+      put_hand(robot, trial / kMaxJoints % 3 == 1 ? kBase : trial % n);
     }
     const JointVectord phi = random_positions(random, n), rates = random_positions(random, n);
     JointVectord added(n);
@@ -166,6 +183,53 @@ TEST_CASE("bias and jump in wide registers are what the templates give") {
   }
   CHECK(worst_bias < 1e-12);
   CHECK(worst_jump < 1e-10);
+}
+
+TEST_CASE("impact gradients in wide registers are what the templates give") {
+  Random random(93);
+  double worst = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const int n = 1 + trial % kWideBodies;
+    const bool is_tree = trial / kWideBodies % 2 == 0;
+    RobotModel robot = random_robot_with_drives(random, n, is_tree);
+    if (trial / kWideBodies % 3 != 0) {
+      put_hand(robot, trial / kWideBodies % 3 == 1 ? kBase : trial % n);
+    }
+    ImpactResistance resistance{JointVectord::Constant(n, 0.05), {}};
+    if (trial % 5 == 0) {
+      resistance.locked.assign(static_cast<std::size_t>(n), false);
+      resistance.locked[static_cast<std::size_t>(trial % n)] = true;
+    }
+    ResponseWeights<double> weights;
+    weights.base = random.unit_vector();
+    weights.total = random.unit_vector();
+    weights.omega = random.unit_vector();
+    weights.hand_inverse_mass = random.uniform(-1, 1);
+    if (trial % 2 == 0) weights.momentum << random.unit_vector(), random.unit_vector();
+    Vector6d F;
+    F << random.unit_vector(), random.unit_vector();
+    const JointVectord phi = random_positions(random, n);
+    // Numbers with derivatives go through the templates.
+    const auto gradient = [&](auto zero) {
+      using S = decltype(zero);
+      const auto posture = evaluate_posture<S>(robot, resistance, phi.cast<S>());
+      const auto response = respond<S>(posture, F.cast<S>());
+      ResponseWeights<S> cast;
+      cast.base = weights.base.cast<S>();
+      cast.total = weights.total.cast<S>();
+      cast.omega = weights.omega.cast<S>();
+      cast.hand_inverse_mass = S(weights.hand_inverse_mass);
+      cast.momentum = weights.momentum.cast<S>();
+      const auto found = response_gradient<S>(robot, posture, response, cast);
+      JointVectord out(n);
+      for (int k = 0; k < n; ++k) out[k] = value_of_number(found.phi[k]);
+      return out;
+    };
+    const JointVectord wide = gradient(0.0), plain = gradient(Tangent(0.0));
+    REQUIRE(wide.allFinite());
+    worst = std::max(worst, (wide - plain).cwiseAbs().maxCoeff() / plain.cwiseAbs().maxCoeff());
+  }
+  CHECK(worst < 1e-9);
 }
 
 TEST_CASE("the wide kernel writes all that it computes and nothing beyond") {

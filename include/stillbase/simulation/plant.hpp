@@ -57,6 +57,14 @@ struct PlantAcceleration {
 PlantAcceleration compute_acceleration(const PlantTerms& terms, const Vector6d& F_b,
                                        const JointVectord& tau, const std::vector<bool>& held = {});
 
+/// The same without the terms, by what is quickest for the robot and the processor: with vectors in
+/// wide registers, by the inertia matrix, or by articulated bodies (articulated_body.hpp). The
+/// routes differ by rounding.
+/// @param rotor_inertia n; from added_plant_inertia()
+PlantAcceleration compute_acceleration(const RobotModel& robot, const JointVectord& rotor_inertia,
+                                       const PlantState& state, const Vector6d& F_b,
+                                       const JointVectord& tau, const std::vector<bool>& held = {});
+
 /// Torque that holds a joint: beside tau, with which (3) gives this acceleration,
 ///   r = H_bphi' dot Omega + H_phi phi'' + c_phi - tau (n). Zero for joints that are not held.
 JointVectord holding_torque(const PlantTerms& terms, const PlantAcceleration& acceleration,

@@ -1,0 +1,41 @@
+// The accelerations of the equation of motion (3) from joint positions and rates on in wide
+// registers: poses, inertia, bias forces and factor are nowhere written down.
+#pragma once
+
+#include "dynamics/wide_bias.hpp"
+#include "dynamics/wide_equations.hpp"
+
+namespace stillbase {
+
+namespace {
+
+void wide_motion(const RobotModel& robot, const WideJoints& at, const double* added_inertia,
+                 const KnownWideMotion& now, const WideLoad& load, const WideMotion& out) {
+  const auto n = static_cast<int>(robot.bodies.size());
+  WidePose poses[kWideBodies];
+  place_bodies(robot, at, poses);
+  Wide3x3 inertias[kWideBodies];  // of the bodies about their own centroids
+  const WideArm arm(
+      robot, [&poses](int k) -> const WidePose& { return poses[k]; },
+      [&inertias](int k, const Wide3x3& I) { inertias[k] = I; });
+  double c_phi[kWideBodies];
+  const WideBaseBias bias = sum_bias(
+      robot,
+      [&](int k) -> WideBody {
+        return {poses[k].R.c2, poses[k].o, poses[k].c, inertias[k]};
+      },
+      now, c_phi);
+  WideEquations equations(robot, arm, added_inertia);
+  const V f = load3(load.F_b) - bias.force;
+  const V v_g = f * all(equations.inverse_mass);  // acceleration of the system centroid
+  store3(equations.x, load3(load.F_b + 3) - bias.moment - cross(equations.r_bg, f));
+  for (int k = 0; k < n; ++k) {
+    equations.x[3 + k] = load.tau[k] - c_phi[k] - sum(arm.p[k] * v_g);
+  }
+  equations.solve(n);
+  equations.put_motion(n, arm, f, out);
+}
+
+}  // namespace
+
+}  // namespace stillbase
