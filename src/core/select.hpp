@@ -4,6 +4,7 @@
 namespace stillbase {
 
 inline bool at_least(double a, double b) { return a >= b; }
+inline bool all_hold(bool holds) { return holds; }
 inline double where(bool holds, double a, double b) { return holds ? a : b; }
 
 }  // namespace stillbase

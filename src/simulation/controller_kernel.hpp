@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <stillbase/simulation/controllers.hpp>
 
@@ -40,19 +41,25 @@ Vector3<S> MomentumTransfer<S>::unreachable(const Vector3<S>& momentum) const {
   return out;
 }
 
+/// A A'.
 template <class S>
-MomentumTransfer<S> compute_momentum_transfer(const Controller& controller, const Matrix3X<S>& A,
-                                              const Vector3<S>& L_g) {
-  using std::max;
-  using std::min;
-  using std::sqrt;
-  // The 3x3 eigenproblem of A A' instead of a singular value decomposition of A: it squares the
-  // condition, which is harmless as everything below rank_edge (>> 1e-8) is given up anyway.
+Matrix3<S> square_of(const Matrix3X<S>& A) {
   Matrix3<S> square = Matrix3<S>::Zero();
   for (Eigen::Index k = 0; k < A.cols(); ++k) {
     const Vector3<S> column = A.col(k);
     square += column * column.transpose();
   }
+  return square;
+}
+
+/// @param square A A'. Its eigenproblem instead of a singular value decomposition of A squares the
+/// condition, which is harmless as everything below rank_edge (>> 1e-8) is given up anyway.
+template <class S>
+MomentumTransfer<S> momentum_transfer_of(const Controller& controller, const Matrix3<S>& square,
+                                         const Vector3<S>& L_g) {
+  using std::max;
+  using std::min;
+  using std::sqrt;
   MomentumTransfer<S> out;
   Vector3<S> values;
   descending_eigen3(square, values, out.U);
@@ -66,6 +73,50 @@ MomentumTransfer<S> compute_momentum_transfer(const Controller& controller, cons
     out.share[i] = where(is_zero, S(0), min(S(1), ratio * ratio));
     out.inverse[i] = where(is_zero, S(0), S(1) / (larger * larger));
     out.rank += where(at_least(out.share[i], S(1)), S(1), S(0));
+  }
+  return out;
+}
+
+template <class S>
+MomentumTransfer<S> compute_momentum_transfer(const Controller& controller, const Matrix3X<S>& A,
+                                              const Vector3<S>& L_g) {
+  return momentum_transfer_of<S>(controller, square_of<S>(A), L_g);
+}
+
+/// U diag(inverse) U' of the momentum transfer: A' times it is A^d. Where no direction is given up
+/// it is (A A')^-1, and the singular values do not matter: no eigenvalue of A A' is below
+/// det / trace adj, as the products of any two of them are parts of that trace.
+template <class S>
+Matrix3<S> damped_inverse_square(const Controller& controller, const Matrix3X<S>& A,
+                                 const Vector3<S>& L_g) {
+  using std::max;
+  using std::min;
+  const Matrix3<S> square = square_of<S>(A);
+  Matrix3<S> adjugate;
+  adjugate.col(0) = Vector3<S>(square.col(1)).cross(Vector3<S>(square.col(2)));
+  adjugate.col(1) = Vector3<S>(square.col(2)).cross(Vector3<S>(square.col(0)));
+  adjugate.col(2) = Vector3<S>(square.col(0)).cross(Vector3<S>(square.col(1)));
+  const S det = square.col(0).dot(adjugate.col(0));
+  const auto trace = [](const Matrix3<S>& M) { return S(M(0, 0) + M(1, 1) + M(2, 2)); };
+  const S square_trace = trace(square), products = trace(adjugate);
+  const S rank_edge(controller.rank_edge), rate_edge(controller.joint_rate_edge);
+  const S edge = max(S(rank_edge * rank_edge * square_trace),
+                     S(L_g.dot(L_g) / (rate_edge * rate_edge)));  // squared, or more
+  // Of A = 0 there is no inverse, of a single direction only the rounding of one.
+  constexpr double kLeast = std::numeric_limits<double>::min(), kRounding = 1e-10;
+  const auto is_whole = at_least(min(S(det - edge * products - S(kLeast)),
+                                     S(products - S(kRounding) * square_trace * square_trace)),
+                                 S(0));
+  Matrix3<S> out = adjugate * (S(1) / det);
+  if (all_hold(is_whole)) return out;
+  const MomentumTransfer<S> transfer = momentum_transfer_of<S>(controller, square, L_g);
+  Matrix3<S> damped = Matrix3<S>::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Vector3<S> direction = transfer.U.col(i);
+    damped += direction * Vector3<S>(direction * transfer.inverse[i]).transpose();
+  }
+  for (Eigen::Index i = 0; i < 9; ++i) {
+    out.data()[i] = where(is_whole, S(out.data()[i]), S(damped.data()[i]));
   }
   return out;
 }
@@ -87,13 +138,13 @@ JointVector<S> null_space_acceleration(const Controller& controller, const Tilde
   const Vector3<S> coupling = coupling_momentum(tilde, phidot);
   const Vector3<S> own = tilde.Htilde_omega * omega;
   const Vector3<S> L_g = own + coupling;
-  const MomentumTransfer<S> transfer = compute_momentum_transfer<S>(controller, A, L_g);
+  const Matrix3<S> inverse = damped_inverse_square<S>(controller, A, L_g);
+  const S K_phi(controller.kind == ControllerKind::Rns ? 0 : controller.K_phi);
   const Vector3<S> wanted = bias.ctilde_omega - own * S(controller.K_omega) - t_b;
-  JointVector<S> phiddot = -transfer.joint_rates(A, wanted);
-  if (controller.kind == ControllerKind::Rns) return phiddot;
-  const JointVector<S> carrying = transfer.joint_rates(A, coupling);
+  const Vector3<S> carried = inverse * Vector3<S>(coupling * K_phi - wanted);
+  JointVector<S> phiddot(phidot.size());
   for (Eigen::Index k = 0; k < phidot.size(); ++k) {
-    phiddot[k] -= S(controller.K_phi) * (phidot[k] - carrying[k]);
+    phiddot[k] = A.col(k).dot(carried) - K_phi * phidot[k];
   }
   return phiddot;
 }

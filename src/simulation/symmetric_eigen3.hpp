@@ -3,25 +3,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
-#include <stillbase/core/linear_algebra.hpp>
+#include <stillbase/core/types.hpp>
 
 #include "core/select.hpp"
 
 namespace stillbase {
 
-/// A = vectors diag(values) vectors', values from largest to smallest.
-inline void descending_eigen3(const Matrix3d& A, Vector3d& values, Matrix3d& vectors) {
-  const SymmetricEigen3 eigen = symmetric_eigen3(A);
-  values = eigen.values.reverse();
-  vectors = eigen.vectors.rowwise().reverse();
-}
-
-/// The same by Jacobi's rotations. Each annihilates one entry beside the diagonal, and what is left
-/// of them shrinks quadratically. A negligible one is zero at once, so that more rotations change
-/// nothing: a lane's result does not depend on how many its neighbours need.
+/// A = vectors diag(values) vectors', values from largest to smallest, by Jacobi's rotations. Each
+/// annihilates one entry beside the diagonal, and what is left of them shrinks quadratically. A
+/// negligible one is zero at once, so that more rotations change nothing: a lane's result does not
+/// depend on how many its neighbours need.
 template <class S>
 void descending_eigen3(Matrix3<S> A, Vector3<S>& values, Matrix3<S>& vectors) {
+  using std::abs;
+  using std::sqrt;
   constexpr int kMostSweeps = 8;
   constexpr double kNegligible = 1e-18;  // of the diagonal entries
   vectors.setIdentity();

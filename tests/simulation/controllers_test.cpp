@@ -6,6 +6,7 @@
 #include <stillbase/dynamics/reaction_null_space.hpp>
 #include <stillbase/simulation/simulate.hpp>
 
+#include "simulation/controller_kernel.hpp"
 #include "simulation/robots.hpp"
 
 namespace stillbase::test {
@@ -208,6 +209,36 @@ TEST_CASE("joint rates for the base grow no further than the edge allows", "[sim
     const Vector3d carried = A * transfer.joint_rates(A, L_g);
     CHECK((carried + transfer.unreachable(L_g) - L_g).norm() < 1e-12);
   }
+}
+
+TEST_CASE("the damped inverse is that of the singular directions", "[simulation]") {
+  Random random(9, 44);
+  int whole = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    // Of each rank, with singular values on both sides of the edge.
+    const int n = 1 + trial % 7, rank = trial % 4;
+    const auto random_matrix = [&](int rows, int columns) {
+      Eigen::MatrixXd out(rows, columns);
+      for (double& entry : out.reshaped()) entry = random.normal();
+      return out;
+    };
+    Matrix3Xd A = random_matrix(3, rank) * random_matrix(rank, n);
+    A *= std::pow(10, random.uniform(-2, 2));
+    if (trial % 2 == 1) A.row(trial % 3) *= std::pow(10, random.uniform(-6, 0));
+    Controller c;
+    if (trial % 5 == 0) c.rank_edge = 0;
+    const Vector3d L_g = random.unit_vector() * std::pow(10, random.uniform(-7, 1));
+    const auto transfer = compute_momentum_transfer<double>(c, A, L_g);
+    const Matrix3d inverse = damped_inverse_square<double>(c, A, L_g);
+    INFO("trial " << trial);
+    REQUIRE(inverse.allFinite());
+    const Matrix3d expected = transfer.U * transfer.inverse.asDiagonal() * transfer.U.transpose();
+    const double condition = transfer.inverse.maxCoeff() * A.squaredNorm();
+    CHECK((inverse - expected).norm() <= 1e-14 * (1 + condition) * expected.norm());
+    whole += transfer.rank == 3 ? 1 : 0;
+  }
+  CHECK(whole > 20);
+  CHECK(whole < 200);
 }
 
 }  // namespace stillbase::test
