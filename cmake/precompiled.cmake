@@ -10,5 +10,5 @@ endforeach()
 # Other options than the library's, other precompiled headers.
 file(GLOB files_with_own_options ${PROJECT_SOURCE_DIR}/src/impact/batch_two_lanes.cpp
   ${PROJECT_SOURCE_DIR}/src/impact/batch_avx*.cpp ${PROJECT_SOURCE_DIR}/src/simulation/lanes_*.cpp
-  ${PROJECT_SOURCE_DIR}/src/core/sines_*.cpp ${PROJECT_SOURCE_DIR}/src/dynamics/wide_avx2.cpp)
+  ${PROJECT_SOURCE_DIR}/src/core/sines_*.cpp ${PROJECT_SOURCE_DIR}/src/dynamics/wide_avx*.cpp)
 set_source_files_properties(${files_with_own_options} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)

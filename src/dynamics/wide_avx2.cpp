@@ -1,7 +1,5 @@
 #ifdef __AVX2__
-#include "dynamics/wide_gradient.hpp"
-#include "dynamics/wide_jump.hpp"
-#include "dynamics/wide_motion.hpp"
+#include "dynamics/wide_functions.hpp"
 #else
 #include "dynamics/wide_kernel.hpp"
 #endif
@@ -10,15 +8,8 @@ namespace stillbase {
 
 const WideKernel* wide_kernel_avx2() {
 #ifdef __AVX2__
-  static constinit const WideKernel kernel = {
-      [] { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; },
-      wide_kinematics,
-      wide_bias,
-      wide_inertia,
-      wide_jump,
-      wide_motion,
-      wide_motion_gradient,
-      wide_rotation_gradient};
+  static constinit const WideKernel kernel = wide_functions(
+      [] { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; });
   return &kernel;
 #else
   return nullptr;

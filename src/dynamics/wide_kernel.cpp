@@ -4,8 +4,10 @@ namespace stillbase {
 
 const WideKernel* wide_passes(const RobotModel& robot) {
   static const WideKernel* const kernel = [] {
-    const WideKernel* wide = wide_kernel_avx2();
-    return wide != nullptr && wide->runs_here() ? wide : nullptr;
+    for (const WideKernel* wide : {wide_kernel_avx512(), wide_kernel_avx2()}) {
+      if (wide != nullptr && wide->runs_here()) return wide;
+    }
+    return static_cast<const WideKernel*>(nullptr);
   }();
   return robot.num_bodies() > 0 ? kernel : nullptr;
 }

@@ -97,8 +97,9 @@ struct WideKernel {
                             double* gradient);
 };
 
-/// Null where the compiler has no such registers.
+// Null where the compiler has no such registers.
 const WideKernel* wide_kernel_avx2();
+const WideKernel* wide_kernel_avx512();
 
 /// Null where the processor has no such registers or the robot has too many bodies, or none.
 const WideKernel* wide_kernel(const RobotModel& robot);

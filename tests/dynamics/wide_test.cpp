@@ -235,16 +235,39 @@ TEST_CASE("impact gradients in wide registers are what the templates give") {
 TEST_CASE("the wide kernel writes all that it computes and nothing beyond") {
   constexpr double kMark = 4711;
   Random random(92);
-  const WideKernel* const wide = wide_kernel_avx2();
-  if (wide == nullptr || !wide->runs_here()) return;
-  for (int n = 1; n <= kWideBodies; ++n) {
-    const RobotModel robot = random_robot(random, n, false);
-    INFO(n << " joints");
-    for (const auto& out : Wide(*wide, robot, random_positions(random, n), kMark).all()) {
-      CHECK(std::count(out.end() - 4, out.end(), kMark) == 4);
-      CHECK(std::count(out.begin(), out.end() - 4, kMark) == 0);
+  for (const WideKernel* const wide : {wide_kernel_avx2(), wide_kernel_avx512()}) {
+    if (wide == nullptr || !wide->runs_here()) continue;
+    for (int n = 1; n <= kWideBodies; ++n) {
+      const RobotModel robot = random_robot(random, n, false);
+      INFO(n << " joints");
+      for (const auto& out : Wide(*wide, robot, random_positions(random, n), kMark).all()) {
+        CHECK(std::count(out.end() - 4, out.end(), kMark) == 4);
+        CHECK(std::count(out.begin(), out.end() - 4, kMark) == 0);
+      }
     }
   }
+}
+
+TEST_CASE("the wide kernels of two instruction sets agree") {
+  const WideKernel *const narrow = wide_kernel_avx2(), *const wide = wide_kernel_avx512();
+  for (const WideKernel* const one : {narrow, wide}) {
+    if (one == nullptr || !one->runs_here()) return;
+  }
+  Random random(94);
+  double worst = 0;
+  for (int n = 1; n <= kWideBodies; ++n) {
+    const RobotModel robot = random_robot(random, n, n % 2 == 0);
+    const JointVectord phi = random_positions(random, n);
+    const auto a = Wide(*narrow, robot, phi).all(), b = Wide(*wide, robot, phi).all();
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const auto of = [](const std::vector<double>& x) {
+        return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+      };
+      const double size = of(a[i]).cwiseAbs().maxCoeff();
+      worst = std::max(worst, (of(a[i]) - of(b[i])).cwiseAbs().maxCoeff() / size);
+    }
+  }
+  CHECK(worst < 1e-9);
 }
 
 }  // namespace stillbase
