@@ -46,9 +46,17 @@ template <class S>
 Matrix3<S> square_of(const Matrix3X<S>& A) {
   Matrix3<S> square = Matrix3<S>::Zero();
   for (Eigen::Index k = 0; k < A.cols(); ++k) {
-    const Vector3<S> column = A.col(k);
-    square += column * column.transpose();
+    const S x = A(0, k), y = A(1, k), z = A(2, k);
+    square(0, 0) += x * x;
+    square(1, 0) += y * x;
+    square(2, 0) += z * x;
+    square(1, 1) += y * y;
+    square(2, 1) += z * y;
+    square(2, 2) += z * z;
   }
+  square(0, 1) = square(1, 0);
+  square(0, 2) = square(2, 0);
+  square(1, 2) = square(2, 1);
   return square;
 }
 
