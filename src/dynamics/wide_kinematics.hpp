@@ -20,24 +20,25 @@ struct WidePose {
   const auto n = static_cast<int>(robot.bodies.size());
   for (int k = 0; k < n; ++k) {
     const Joint& joint = joints[k];
-    const double* const fixed = numbers(joint.R);
-    Wide3x3 A;
-    V o;
+    // From the parent's axes to those of body k: off the chain of products along the arm.
+    Wide3x3 turned = load3x3(numbers(joint.R));
+    if (joint.type != JointType::Prismatic) {
+      const V c = all(at.cosine[k]), s = all(at.sine[k]);
+      turned = {turned.c0 * c + turned.c1 * s, turned.c1 * c - turned.c0 * s, turned.c2};
+    }
+    WidePose& pose = poses[k];
     if (joint.parent == kBase) {
-      A = load3x3(fixed);
-      o = load3(numbers(joint.p));
+      pose.R = turned;
+      pose.o = load3(numbers(joint.p));
     } else {
       const WidePose& parent = poses[joint.parent];
-      A = {times(parent.R, fixed), times(parent.R, fixed + 3), times(parent.R, fixed + 6)};
-      o = parent.o + times(parent.R, numbers(joint.p));
+      const double* const entries = numbers(turned.c0);
+      pose.R = {times(parent.R, entries), times(parent.R, entries + 4),
+                times(parent.R, entries + 8)};
+      pose.o = parent.o + times(parent.R, numbers(joint.p));
     }
-    if (joint.type == JointType::Prismatic) {
-      o += A.c2 * all(at.positions[k]);
-    } else {
-      const V c = all(at.cosine[k]), s = all(at.sine[k]);
-      A = {A.c0 * c + A.c1 * s, A.c1 * c - A.c0 * s, A.c2};
-    }
-    poses[k] = {A, o, o + times(A, numbers(bodies[k].centroid))};
+    if (joint.type == JointType::Prismatic) pose.o += pose.R.c2 * all(at.positions[k]);
+    pose.c = pose.o + times(pose.R, numbers(bodies[k].centroid));
   }
 }
 
