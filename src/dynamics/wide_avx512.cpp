@@ -1,4 +1,4 @@
-// Registers of four numbers again, but twice as many of them: hardly any waits in memory.
+// Registers of four numbers again, but twice as many of them: few are spilled to the stack.
 #ifdef __AVX512VL__
 #include "dynamics/wide_functions.hpp"
 #else
@@ -10,7 +10,8 @@ namespace stillbase {
 const WideKernel* wide_kernel_avx512() {
 #ifdef __AVX512VL__
   static constinit const WideKernel kernel = wide_functions([] {
-    return __builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("avx512dq") != 0;
+    return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
+           __builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("fma") != 0;
   });
   return &kernel;
 #else

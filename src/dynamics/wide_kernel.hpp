@@ -41,7 +41,7 @@ struct KnownWideMotion {
   const double *Omega, *phidot;
 };
 
-/// Where compute_jump() writes.
+/// Where a jump of the rates, or their accelerations, are written.
 struct WideMotion {
   double *Omega, *phidot;
 };
@@ -71,15 +71,14 @@ struct WideRotations {
   const double *r_bg, *u, *w;
 };
 
-/// Of robots with bodies.
+/// The robots have bodies, and no couplings but for `kinematics`; those from `inertia` on at most
+/// kWideBodies bodies.
 struct WideKernel {
   bool (*runs_here)();  ///< on this processor
   void (*kinematics)(const RobotModel& robot, const WideJoints& at, const WidePoses& out);
-  // Without couplings.
   /// @param I 9 per body
   void (*bias)(const RobotModel& robot, const KnownWidePoses& poses, const double* I,
                const KnownWideMotion& motion, const WideBias& out);
-  // And with at most kWideBodies bodies.
   void (*inertia)(const RobotModel& robot, const KnownWidePoses& poses, const WideInertia& out);
   /// @param added_inertia of each joint
   void (*jump)(const RobotModel& robot, const WideJoints& at, const double* added_inertia,

@@ -60,17 +60,17 @@ Matrix3<S> square_of(const Matrix3X<S>& A) {
   return square;
 }
 
-/// @param square A A'. Its eigenproblem instead of a singular value decomposition of A squares the
-/// condition, which is harmless as everything below rank_edge (>> 1e-8) is given up anyway.
 template <class S>
-MomentumTransfer<S> momentum_transfer_of(const Controller& controller, const Matrix3<S>& square,
-                                         const Vector3<S>& L_g) {
+MomentumTransfer<S> compute_momentum_transfer(const Controller& controller, const Matrix3X<S>& A,
+                                              const Vector3<S>& L_g) {
   using std::max;
   using std::min;
   using std::sqrt;
+  // The 3x3 eigenproblem of A A' instead of a singular value decomposition of A: it squares the
+  // condition, which is harmless as everything below rank_edge (>> 1e-8) is given up anyway.
   MomentumTransfer<S> out;
   Vector3<S> values;
-  descending_eigen3(square, values, out.U);
+  descending_eigen3<S>(square_of<S>(A), values, out.U);
   for (Eigen::Index i = 0; i < 3; ++i) out.sigma[i] = sqrt(max(values[i], S(0)));
   const S edge = momentum_edge<S>(controller, out.sigma[0], sqrt(L_g.dot(L_g)));
   const auto is_zero = at_least(S(0), out.sigma[0]);
@@ -85,20 +85,16 @@ MomentumTransfer<S> momentum_transfer_of(const Controller& controller, const Mat
   return out;
 }
 
-template <class S>
-MomentumTransfer<S> compute_momentum_transfer(const Controller& controller, const Matrix3X<S>& A,
-                                              const Vector3<S>& L_g) {
-  return momentum_transfer_of<S>(controller, square_of<S>(A), L_g);
-}
-
 /// U diag(inverse) U' of the momentum transfer: A' times it is A^d. Where no direction is given up
 /// it is (A A')^-1, and the singular values do not matter: no eigenvalue of A A' is below
-/// det / trace adj, as the products of any two of them are parts of that trace.
+/// det / trace adj, as the products of any two of them are parts of that trace. The determinant is
+/// known to the rounding of trace^3, so this is for matrices well away from singular ones.
 template <class S>
 Matrix3<S> damped_inverse_square(const Controller& controller, const Matrix3X<S>& A,
                                  const Vector3<S>& L_g) {
   using std::max;
   using std::min;
+  constexpr double kWell = 1e-6;  // the inverse is then as exact as that of the eigenproblem
   const Matrix3<S> square = square_of<S>(A);
   Matrix3<S> adjugate;
   adjugate.col(0) = Vector3<S>(square.col(1)).cross(Vector3<S>(square.col(2)));
@@ -106,22 +102,29 @@ Matrix3<S> damped_inverse_square(const Controller& controller, const Matrix3X<S>
   adjugate.col(2) = Vector3<S>(square.col(0)).cross(Vector3<S>(square.col(1)));
   const S det = square.col(0).dot(adjugate.col(0));
   const auto trace = [](const Matrix3<S>& M) { return S(M(0, 0) + M(1, 1) + M(2, 2)); };
-  const S square_trace = trace(square), products = trace(adjugate);
-  const S rank_edge(controller.rank_edge), rate_edge(controller.joint_rate_edge);
-  const S edge = max(S(rank_edge * rank_edge * square_trace),
-                     S(L_g.dot(L_g) / (rate_edge * rate_edge)));  // squared, or more
-  // Of A = 0 there is no inverse, of a single direction only the rounding of one.
-  constexpr double kLeast = std::numeric_limits<double>::min(), kRounding = 1e-10;
-  const auto is_whole = at_least(min(S(det - edge * products - S(kLeast)),
-                                     S(products - S(kRounding) * square_trace * square_trace)),
-                                 S(0));
+  const S size = trace(square);
+  // momentum_edge() squared, for the largest eigenvalue.
+  const auto edge_of = [&](const S& largest) {
+    const S rank_edge(controller.rank_edge), rate_edge(controller.joint_rate_edge);
+    return S(max(S(rank_edge * rank_edge * largest), S(L_g.dot(L_g) / (rate_edge * rate_edge))));
+  };
+  const S above_edge = det - edge_of(size) * trace(adjugate);
+  const S above_rounding = det - S(kWell) * size * size * size;
+  // Where A = 0 there is no inverse.
+  constexpr double kLeast = std::numeric_limits<double>::min();
+  const auto is_whole = at_least(min(above_edge, above_rounding), S(kLeast));
   Matrix3<S> out = adjugate * (S(1) / det);
   if (all_hold(is_whole)) return out;
-  const MomentumTransfer<S> transfer = momentum_transfer_of<S>(controller, square, L_g);
+  Vector3<S> values;
+  Matrix3<S> U;
+  descending_eigen3<S>(square, values, U);
+  const S edge = edge_of(values[0]);
+  const auto is_zero = at_least(S(0), values[0]);
   Matrix3<S> damped = Matrix3<S>::Zero();
   for (Eigen::Index i = 0; i < 3; ++i) {
-    const Vector3<S> direction = transfer.U.col(i);
-    damped += direction * Vector3<S>(direction * transfer.inverse[i]).transpose();
+    const Vector3<S> direction = U.col(i);
+    const S inverse = where(is_zero, S(0), S(1) / max(values[i], edge));
+    damped += direction * Vector3<S>(direction * inverse).transpose();
   }
   for (Eigen::Index i = 0; i < 9; ++i) {
     out.data()[i] = where(is_whole, S(out.data()[i]), S(damped.data()[i]));

@@ -198,7 +198,7 @@ TEST_CASE("a minimum where a corner and two edges of boxes are equally near is o
   CaptureProblem problem = test::without_path("deos_latch_residual");
   PlannerOptions options;
   options.prover = nullptr;
-  // Rounding decides which of the starts come to its last digits: two of five plans do.
+  // Rounding decides whether a seed comes to the last digits of the kink: two of five do.
   Plan plan;
   for (problem.search.seed = 1; problem.search.seed <= 20; ++problem.search.seed) {
     plan = make_plan(problem, options);

@@ -1,6 +1,7 @@
 // The controllers against the equations they come from, and the arm that loses rank.
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <stillbase/dynamics/reaction_null_space.hpp>
@@ -213,32 +214,39 @@ TEST_CASE("joint rates for the base grow no further than the edge allows", "[sim
 
 TEST_CASE("the damped inverse is that of the singular directions", "[simulation]") {
   Random random(9, 44);
-  int whole = 0;
-  for (int trial = 0; trial < 400; ++trial) {
-    // Of each rank, with singular values on both sides of the edge.
-    const int n = 1 + trial % 7, rank = trial % 4;
-    const auto random_matrix = [&](int rows, int columns) {
-      Eigen::MatrixXd out(rows, columns);
-      for (double& entry : out.reshaped()) entry = random.normal();
-      return out;
-    };
-    Matrix3Xd A = random_matrix(3, rank) * random_matrix(rank, n);
-    A *= std::pow(10, random.uniform(-2, 2));
-    if (trial % 2 == 1) A.row(trial % 3) *= std::pow(10, random.uniform(-6, 0));
+  const auto orthonormal = [&random](int rows) -> Eigen::MatrixXd {
+    Eigen::MatrixXd out(rows, 3);
+    for (double& entry : out.reshaped()) entry = random.normal();
+    return Eigen::HouseholderQR<Eigen::MatrixXd>(out).householderQ() *
+           Eigen::MatrixXd::Identity(rows, 3);
+  };
+  int whole = 0, damped = 0;
+  for (int trial = 0; trial < 6000; ++trial) {
+    // Singular values of all sizes, the least ones zero in a third of the trials.
+    const double second = std::pow(10, random.uniform(-6, 0));
+    const double third = trial % 3 == 0 ? 0 : second * std::pow(10, random.uniform(-4, 0));
+    const double scale = std::pow(10, random.uniform(-3, 3));
+    const Eigen::MatrixXd U = orthonormal(3), W = orthonormal(3 + trial % 5);
+    const Vector3d sigma = scale * Vector3d(1, second, third);
+    const Matrix3Xd A = U * sigma.asDiagonal() * W.transpose();
     Controller c;
-    if (trial % 5 == 0) c.rank_edge = 0;
-    const Vector3d L_g = random.unit_vector() * std::pow(10, random.uniform(-7, 1));
-    const auto transfer = compute_momentum_transfer<double>(c, A, L_g);
+    c.rank_edge = std::array{1e-4, 1e-6, 2e-7}[static_cast<std::size_t>(trial) / 3 % 3];
+    const double momentum = trial % 2 == 0 ? 0 : scale * std::pow(10, random.uniform(-6, 1));
+    const Vector3d L_g = random.unit_vector() * momentum;
+    const double edge = momentum_edge<double>(c, sigma[0], L_g.norm());
+    const Matrix3d expected =
+        U * sigma.cwiseMax(edge).array().square().inverse().matrix().asDiagonal() * U.transpose();
     const Matrix3d inverse = damped_inverse_square<double>(c, A, L_g);
-    INFO("trial " << trial);
+    INFO("trial " << trial << ": " << sigma.transpose() << ", edge " << edge);
     REQUIRE(inverse.allFinite());
-    const Matrix3d expected = transfer.U * transfer.inverse.asDiagonal() * transfer.U.transpose();
-    const double condition = transfer.inverse.maxCoeff() * A.squaredNorm();
-    CHECK((inverse - expected).norm() <= 1e-14 * (1 + condition) * expected.norm());
-    whole += transfer.rank == 3 ? 1 : 0;
+    // A A' is known to the rounding of its largest eigenvalue, the quick inverse to 1e-11.
+    const double condition = std::pow(sigma[0] / std::max(sigma[2], edge), 2);
+    CHECK((inverse - expected).norm() <= std::max(2e-11, 2e-15 * condition) * expected.norm());
+    whole += sigma[2] > edge ? 1 : 0;
+    damped += sigma[2] < edge ? 1 : 0;
   }
-  CHECK(whole > 20);
-  CHECK(whole < 200);
+  CHECK(whole > 1000);
+  CHECK(damped > 1000);
 }
 
 }  // namespace stillbase::test
