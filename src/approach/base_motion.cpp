@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include <stillbase/collision/scene.hpp>
-#include <stillbase/dynamics/momentum.hpp>
+
+#include "dynamics/free_base.hpp"
 
 namespace stillbase {
 
@@ -27,8 +28,7 @@ constexpr int kMaxHalvings = 12;
 }  // namespace
 
 Vector6d base_velocity(const RobotModel& robot, const JointMotion& motion) {
-  return free_floating_base_velocity<double>(
-      compute_inertia<double>(robot, compute_kinematics<double>(robot, motion.phi)), motion.phidot);
+  return free_base_velocity(robot, motion.phi, motion.phidot);
 }
 
 // Iserles, Munthe-Kaas, Norsett, Zanna, Lie-group methods, 2000: two Gauss points and one bracket.

@@ -3,26 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stillbase/dynamics/base_acceleration.hpp>
-#include <stillbase/dynamics/momentum.hpp>
+#include "dynamics/free_base.hpp"
 
 namespace stillbase {
 
 JointVectord joint_torques(const CaptureProblem& problem, const JointMotion& motion) {
-  const RobotModel& robot = problem.robot;
-  const auto kinematics = compute_kinematics<double>(robot, motion.phi);
-  const auto inertia = compute_inertia<double>(robot, kinematics);
-  Vector6d Omega = Vector6d::Zero(), dot_Omega = Vector6d::Zero();
-  if (problem.approach.base != BaseMode::Held) {
-    Omega = free_floating_base_velocity<double>(inertia, motion.phidot);
-  }
-  const auto bias = compute_bias<double>(robot, kinematics, inertia, Omega, motion.phidot);
-  const auto jacobian = compute_hand_jacobian<double>(robot, kinematics);
-  const BaseEquation equation{inertia, bias, jacobian};
-  if (problem.approach.base != BaseMode::Held) {
-    dot_Omega = base_acceleration(equation, {}, motion.phiddot);
-  }
-  JointVectord torques = joint_torque(equation, {}, dot_Omega, motion.phiddot);
+  JointVectord torques = motion_torques(problem.robot, {motion.phi, motion.phidot, motion.phiddot},
+                                        problem.approach.base != BaseMode::Held);
   if (problem.resistance.model == ResistanceModel::RotorInertia) {
     torques += problem.resistance.rotor_inertia.cwiseProduct(motion.phiddot);
   }

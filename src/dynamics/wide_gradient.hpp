@@ -25,6 +25,13 @@ struct WideSpatial {
   return {cross(load3(poses.o + 3 * k), z), z};
 }
 
+/// Momentum of a body about the base centroid. @param c its centroid @param I about that
+[[gnu::always_inline]] inline WideSpatial momentum_of(const WideSpatial& twist, const V& c,
+                                                      const Wide3x3& I, double mass) {
+  const V p = (twist.v + cross(twist.w, c)) * all(mass);
+  return {p, cross(c, p) + times(I, twist.w)};
+}
+
 /// a x b with its entries turned by one place: a sum of products is turned back once.
 [[gnu::always_inline]] inline V turned_cross(const V& a, const V& b) {
   return a * lanes<1, 2, 0, 3>(b) - lanes<1, 2, 0, 3>(a) * b;
@@ -51,8 +58,7 @@ void wide_motion_gradient(const RobotModel& robot, const KnownWidePoses& poses, 
                           WideSpatial& momentum) {
       twist.v = inherited.v + axes[k].v * all(rate);
       twist.w = inherited.w + axes[k].w * all(rate);
-      momentum.v = (twist.v + cross(twist.w, c)) * all(bodies[k].mass);
-      momentum.w = cross(c, momentum.v) + times(I_k, twist.w);
+      momentum = momentum_of(twist, c, I_k, bodies[k].mass);
     };
     move(parent == kBase ? base_a : V_a[parent], a.phidot[k], V_a[k], P_a[k]);
     move(parent == kBase ? base_b : V_b[parent], b.phidot[k], V_b[k], P_b[k]);

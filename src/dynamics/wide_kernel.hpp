@@ -51,6 +51,10 @@ struct WideLoad {
   const double *F_b, *tau;
 };
 
+struct WideJointMotion {
+  const double *phidot, *phiddot;
+};
+
 /// Where compute_bias() writes.
 struct WideBias {
   double *c_b, *c_phi;
@@ -85,6 +89,11 @@ struct WideKernel {
                const double* F, const WideMotion& out);
   void (*motion)(const RobotModel& robot, const WideJoints& at, const double* added_inertia,
                  const KnownWideMotion& now, const WideLoad& load, const WideMotion& out);
+  // See free_base.hpp.
+  void (*base_velocity)(const RobotModel& robot, const WideJoints& at, const double* phidot,
+                        double* Omega);
+  void (*torques)(const RobotModel& robot, const WideJoints& at, const WideJointMotion& motion,
+                  bool base_moves, double* tau);
   // Both add to the gradient (n).
   /// @param I 9 per body
   void (*motion_gradient)(const RobotModel& robot, const KnownWidePoses& poses, const double* I,
