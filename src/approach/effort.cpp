@@ -8,7 +8,7 @@
 namespace stillbase {
 
 JointVectord joint_torques(const CaptureProblem& problem, const JointMotion& motion) {
-  JointVectord torques = motion_torques(problem.robot, {motion.phi, motion.phidot, motion.phiddot},
+  JointVectord torques = motion_torques(problem.robot, motion.phi, motion.phidot, motion.phiddot,
                                         problem.approach.base != BaseMode::Held);
   if (problem.resistance.model == ResistanceModel::RotorInertia) {
     torques += problem.resistance.rotor_inertia.cwiseProduct(motion.phiddot);

@@ -60,8 +60,8 @@ template HandJacobian<double> compute_hand_jacobian(const RobotModel&, const Kin
 template <>
 InertiaMatrices<double> compute_inertia(const RobotModel& robot, const Kinematics<double>& kin) {
   const WideKernel* const wide = wide_kernel(robot);
-  return wide != nullptr && !robot.is_coupled() ? inertia_in_registers(*wide, robot, kin)
-                                                : kernel::inertia<double>(robot, kin);
+  return wide != nullptr ? inertia_in_registers(*wide, robot, kin)
+                         : kernel::inertia<double>(robot, kin);
 }
 
 template TildeInertia<double> compute_tilde_inertia(const InertiaMatrices<double>&);

@@ -7,17 +7,9 @@
 
 namespace stillbase {
 
-namespace {
-
-const WideKernel* registers_for(const RobotModel& robot) {
-  return robot.is_coupled() ? nullptr : wide_kernel(robot);
-}
-
-}  // namespace
-
 Vector6d free_base_velocity(const RobotModel& robot, const JointVectord& phi,
                             const JointVectord& phidot) {
-  const WideKernel* const wide = registers_for(robot);
+  const WideKernel* const wide = wide_kernel(robot);
   if (wide == nullptr) {
     const auto kinematics = compute_kinematics<double>(robot, phi);
     return free_floating_base_velocity<double>(compute_inertia<double>(robot, kinematics), phidot);
@@ -27,22 +19,24 @@ Vector6d free_base_velocity(const RobotModel& robot, const JointVectord& phi,
   return Omega;
 }
 
-JointVectord motion_torques(const RobotModel& robot, const JointRates& motion, bool base_moves) {
-  if (const WideKernel* const wide = registers_for(robot); wide != nullptr) {
+JointVectord motion_torques(const RobotModel& robot, const JointVectord& phi,
+                            const JointVectord& phidot, const JointVectord& phiddot,
+                            bool base_moves) {
+  if (const WideKernel* const wide = wide_kernel(robot); wide != nullptr) {
     JointVectord torques(robot.n());
-    wide->torques(robot, WideJointValues(robot, motion.phi).plain(),
-                  {motion.phidot.data(), motion.phiddot.data()}, base_moves, torques.data());
+    wide->torques(robot, WideJointValues(robot, phi).plain(), {phidot.data(), phiddot.data()},
+                  base_moves, torques.data());
     return torques;
   }
-  const auto kinematics = compute_kinematics<double>(robot, motion.phi);
+  const auto kinematics = compute_kinematics<double>(robot, phi);
   const auto inertia = compute_inertia<double>(robot, kinematics);
   Vector6d Omega = Vector6d::Zero(), dot_Omega = Vector6d::Zero();
-  if (base_moves) Omega = free_floating_base_velocity<double>(inertia, motion.phidot);
-  const auto bias = compute_bias<double>(robot, kinematics, inertia, Omega, motion.phidot);
+  if (base_moves) Omega = free_floating_base_velocity<double>(inertia, phidot);
+  const auto bias = compute_bias<double>(robot, kinematics, inertia, Omega, phidot);
   const auto jacobian = compute_hand_jacobian<double>(robot, kinematics);
   const BaseEquation equation{inertia, bias, jacobian};
-  if (base_moves) dot_Omega = base_acceleration(equation, {}, motion.phiddot);
-  return joint_torque(equation, {}, dot_Omega, motion.phiddot);
+  if (base_moves) dot_Omega = base_acceleration(equation, {}, phiddot);
+  return joint_torque(equation, {}, dot_Omega, phiddot);
 }
 
 }  // namespace stillbase

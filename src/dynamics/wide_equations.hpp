@@ -10,33 +10,26 @@ namespace stillbase {
 namespace {
 
 struct WideEquations {
-  V r_bg;  ///< of the system centroid
-  double inverse_mass;
-  Wide3x3 Htilde_omega;
+  WideWhole whole;
   V Htilde_omegaphi[kWideBodies];
   WideMatrix Htilde_phi;      ///< with the added inertia
   double x[3 + kWideBodies];  ///< right-hand side, then the solution
 
   /// All but the right-hand side. @param added_inertia of each joint
   [[gnu::always_inline]] WideEquations(const RobotModel& robot, const WideArm& arm,
-                                       const double* added_inertia) {
-    const double mass = arm.total.h[3];
-    inverse_mass = 1 / mass;
-    r_bg = arm.total.h * all(inverse_mass);
-    const Wide3x3& I = arm.total.I;
-    const Wide3x3 of_mass = point_mass(mass, r_bg).I;
-    Htilde_omega = {I.c0 - of_mass.c0, I.c1 - of_mass.c1, I.c2 - of_mass.c2};
-    fill(robot, arm, inverse_mass, Htilde_phi);
+                                       const double* added_inertia)
+      : whole(arm.total) {
+    fill(robot, arm, whole.inverse_mass, Htilde_phi);
     const auto n = static_cast<int>(robot.bodies.size());
     for (int k = 0; k < n; ++k) {
-      Htilde_omegaphi[k] = arm.L[k] - cross(r_bg, arm.p[k]);
+      Htilde_omegaphi[k] = arm.L[k] - cross(whole.r_bg, arm.p[k]);
       Htilde_phi.columns[k][k] += added_inertia[k];
     }
   }
 
   /// Of the lower triangle.
   double entry(Eigen::Index i, Eigen::Index j) const {
-    if (i < 3) return numbers(Htilde_omega.c0)[i + 4 * j];
+    if (i < 3) return numbers(whole.Htilde_omega.c0)[i + 4 * j];
     if (j < 3) return numbers(Htilde_omegaphi[i - 3])[j];
     return Htilde_phi.columns[j - 3][i - 3];
   }
@@ -64,7 +57,7 @@ struct WideEquations {
       p -= arm.p[k] * all(out.phidot[k]);
     }
     const V omega = load3(x);
-    store3(out.Omega, p * all(inverse_mass) - cross(omega, r_bg));
+    store3(out.Omega, whole.base_velocity(p, omega));
     store3(out.Omega + 3, omega);
   }
 };

@@ -1,38 +1,40 @@
-// A robot on whose base nothing acts, in wide registers: its base's motion for one of the joints,
-// and the torques of that.
+// Base motion without momentum, and joint torques with the base free or held, in wide registers.
 #pragma once
 
 #include "dynamics/wide_bias.hpp"
 #include "dynamics/wide_factor.hpp"
-#include "dynamics/wide_gradient.hpp"
 #include "dynamics/wide_inertia.hpp"
+#include "dynamics/wide_spatial.hpp"
 
 namespace stillbase {
 
 namespace {
 
-/// The base twist x of H_b x = momentum.
-[[gnu::always_inline]] inline WideSpatial base_twist(const WideArm& arm,
-                                                     const WideSpatial& momentum) {
-  const double mass = arm.total.h[3], inverse_mass = 1 / mass;
-  const V r_bg = arm.total.h * all(inverse_mass);
-  const Wide3x3 of_mass = point_mass(mass, r_bg).I;
-  const Wide3x3& I = arm.total.I;
-  const Wide3x3 Htilde_omega = {I.c0 - of_mass.c0, I.c1 - of_mass.c1, I.c2 - of_mass.c2};
-  const double* const entries = numbers(Htilde_omega.c0);
-  const V L_g = momentum.w - cross(r_bg, momentum.v);
-  namespace loops = cholesky_loops;
-  constexpr loops::Size<3> n;
-  WideNumber A[9], b[3] = {WideNumber(L_g[0]), WideNumber(L_g[1]), WideNumber(L_g[2])};
-  factorize_entries(
-      n, [entries](auto i, auto j) { return entries[i + 4 * j]; }, A);
-  loops::solve_scaled(A, n, n, b);
-  loops::solve_transposed(A, n, n, b);
-  const V omega = {b[0].x, b[1].x, b[2].x, 0};
-  return {momentum.v * all(inverse_mass) - cross(omega, r_bg), omega};
-}
+/// The base's own equations.
+struct WideFreeBase {
+  WideWhole whole;
+  WideNumber factor[9];  ///< of Htilde_omega
 
-/// Minus the momentum of joint rates, or of their accelerations: what the base makes up for.
+  [[gnu::always_inline]] explicit WideFreeBase(const WideArm& arm) : whole(arm.total) {
+    const double* const entries = numbers(whole.Htilde_omega.c0);
+    factorize_entries(
+        cholesky_loops::Size<3>(), [entries](auto i, auto j) { return entries[i + 4 * j]; },
+        factor);
+  }
+  /// The twist x of H_b x = momentum.
+  [[gnu::always_inline]] WideSpatial twist(const WideSpatial& momentum) const {
+    namespace loops = cholesky_loops;
+    constexpr loops::Size<3> n;
+    const V L_g = momentum.w - cross(whole.r_bg, momentum.v);
+    WideNumber b[3] = {WideNumber(L_g[0]), WideNumber(L_g[1]), WideNumber(L_g[2])};
+    loops::solve_scaled(factor, n, n, b);
+    loops::solve_transposed(factor, n, n, b);
+    const V omega = {b[0].x, b[1].x, b[2].x, 0};
+    return {whole.base_velocity(momentum.v, omega), omega};
+  }
+};
+
+/// Minus the momentum of joint rates, or of their accelerations: the base must carry it.
 [[gnu::always_inline]] inline WideSpatial minus_momentum(int joints, const WideArm& arm,
                                                          const double* rates) {
   WideSpatial out{all(0), all(0)};
@@ -50,7 +52,7 @@ void wide_base_velocity(const RobotModel& robot, const WideJoints& at, const dou
   const WideArm arm(
       robot, [&poses](int k) -> const WidePose& { return poses[k]; }, [](int, const Wide3x3&) {});
   const auto n = static_cast<int>(robot.bodies.size());
-  const WideSpatial twist = base_twist(arm, minus_momentum(n, arm, phidot));
+  const WideSpatial twist = WideFreeBase(arm).twist(minus_momentum(n, arm, phidot));
   store3(Omega, twist.v);
   store3(Omega + 3, twist.w);
 }
@@ -67,8 +69,8 @@ void wide_torques(const RobotModel& robot, const WideJoints& at, const WideJoint
       robot, [&poses](int k) -> const WidePose& { return poses[k]; },
       [&inertias](int k, const Wide3x3& I) { inertias[k] = I; });
   const WideSpatial none{all(0), all(0)};
-  const WideSpatial base =
-      base_moves ? base_twist(arm, minus_momentum(n, arm, motion.phidot)) : none;
+  const WideFreeBase free(arm);
+  const WideSpatial base = base_moves ? free.twist(minus_momentum(n, arm, motion.phidot)) : none;
   double Omega[6];
   store3(Omega, base.v);
   store3(Omega + 3, base.w);
@@ -83,7 +85,7 @@ void wide_torques(const RobotModel& robot, const WideJoints& at, const WideJoint
     WideSpatial rest = minus_momentum(n, arm, motion.phiddot);
     rest.v -= bias.force;
     rest.w -= bias.moment;
-    acceleration = base_twist(arm, rest);
+    acceleration = free.twist(rest);
   }
   // H [dot Omega; phi''] as the momentum of these rates.
   WideSpatial twist[kWideBodies], momentum[kWideBodies];
@@ -96,9 +98,8 @@ void wide_torques(const RobotModel& robot, const WideJoints& at, const WideJoint
   }
   for (int k = n - 1; k >= 0; --k) {
     const Joint& joint = joints[k];
-    const double reflected = joint.gear_ratio * joint.gear_ratio * joint.rotor_inertia;
-    tau[k] +=
-        sum(arm.v[k] * momentum[k].v + arm.w[k] * momentum[k].w) + reflected * motion.phiddot[k];
+    tau[k] += sum(arm.v[k] * momentum[k].v + arm.w[k] * momentum[k].w) +
+              reflected(joint) * motion.phiddot[k];
     if (joint.parent != kBase) add(momentum[joint.parent], momentum[k]);
   }
 }

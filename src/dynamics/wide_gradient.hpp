@@ -1,21 +1,11 @@
 // The sums over the tree of impact/gradient_kernel.hpp in wide registers.
 #pragma once
 
-#include "dynamics/wide_vectors.hpp"
+#include "dynamics/wide_spatial.hpp"
 
 namespace stillbase {
 
 namespace {
-
-/// Linear and angular part of a twist or a momentum, about the base centroid.
-struct WideSpatial {
-  V v, w;
-};
-
-[[gnu::always_inline]] inline void add(WideSpatial& a, const WideSpatial& b) {
-  a.v += b.v;
-  a.w += b.w;
-}
 
 /// Twist of body k's joint under unit rate.
 [[gnu::always_inline]] inline WideSpatial unit_twist(const Joint& joint,
@@ -23,13 +13,6 @@ struct WideSpatial {
   const V z = load3(poses.R + 9 * k + 6);
   if (joint.type == JointType::Prismatic) return {z, all(0)};
   return {cross(load3(poses.o + 3 * k), z), z};
-}
-
-/// Momentum of a body about the base centroid. @param c its centroid @param I about that
-[[gnu::always_inline]] inline WideSpatial momentum_of(const WideSpatial& twist, const V& c,
-                                                      const Wide3x3& I, double mass) {
-  const V p = (twist.v + cross(twist.w, c)) * all(mass);
-  return {p, cross(c, p) + times(I, twist.w)};
 }
 
 /// a x b with its entries turned by one place: a sum of products is turned back once.

@@ -83,6 +83,30 @@ struct WideArm {
   }
 };
 
+/// The robot as one body, about its centroid.
+struct WideWhole {
+  V r_bg;  ///< the centroid
+  double inverse_mass;
+  Wide3x3 Htilde_omega;
+
+  [[gnu::always_inline]] explicit WideWhole(const WideComposite& total) {
+    const double mass = total.h[3];
+    inverse_mass = 1 / mass;
+    r_bg = total.h * all(inverse_mass);
+    const Wide3x3 of_mass = point_mass(mass, r_bg).I;
+    Htilde_omega = {total.I.c0 - of_mass.c0, total.I.c1 - of_mass.c1, total.I.c2 - of_mass.c2};
+  }
+  /// Velocity of the base centroid. @param p linear momentum that the robot gets by its base
+  [[gnu::always_inline]] V base_velocity(const V& p, const V& omega) const {
+    return p * all(inverse_mass) - cross(omega, r_bg);
+  }
+};
+
+/// As Joint::reflected_inertia(), which is not for this file.
+[[gnu::always_inline]] inline double reflected(const Joint& joint) {
+  return joint.gear_ratio * joint.gear_ratio * joint.rotor_inertia;
+}
+
 /// A symmetric matrix of the joints, column by column.
 struct WideMatrix {
   alignas(V) double columns[kWideRoom][kWideRoom];
@@ -140,8 +164,7 @@ struct WideMatrix {
   }
   for (int j = 0; j < n; ++j) {
     const Joint& joint = joints[j];
-    if (joint.rotor_inertia == 0) continue;
-    H.columns[j][j] += joint.gear_ratio * joint.gear_ratio * joint.rotor_inertia;
+    if (joint.rotor_inertia != 0) H.columns[j][j] += reflected(joint);
   }
 }
 

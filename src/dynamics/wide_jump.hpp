@@ -23,8 +23,8 @@ void wide_jump(const RobotModel& robot, const WideJoints& at, const double* adde
   }
   WideEquations equations(robot, arm, added_inertia);
   const V f = load3(F), moment = load3(F + 3) + cross(r_bh, f);  // about the base centroid
-  const V v_g = f * all(equations.inverse_mass);                 // of the system centroid
-  store3(equations.x, moment - cross(equations.r_bg, f));
+  const V v_g = f * all(equations.whole.inverse_mass);           // of the system centroid
+  store3(equations.x, moment - cross(equations.whole.r_bg, f));
   bool moves_hand[kWideBodies] = {};  // as the robot's list, whose functions are not for this file
   for (int k = robot.hand_body; k != kBase; k = joints[k].parent) moves_hand[k] = true;
   for (int k = 0; k < n; ++k) {

@@ -13,7 +13,8 @@ const WideKernel* wide_passes(const RobotModel& robot) {
 }
 
 const WideKernel* wide_kernel(const RobotModel& robot) {
-  return robot.num_bodies() <= kWideBodies ? wide_passes(robot) : nullptr;
+  const bool fits = robot.num_bodies() <= kWideBodies && !robot.is_coupled();
+  return fits ? wide_passes(robot) : nullptr;
 }
 
 }  // namespace stillbase

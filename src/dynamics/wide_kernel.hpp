@@ -41,7 +41,7 @@ struct KnownWideMotion {
   const double *Omega, *phidot;
 };
 
-/// Where a jump of the rates, or their accelerations, are written.
+/// Where a jump of the rates is written, or the accelerations.
 struct WideMotion {
   double *Omega, *phidot;
 };
@@ -51,6 +51,7 @@ struct WideLoad {
   const double *F_b, *tau;
 };
 
+/// Rates and accelerations of the joints.
 struct WideJointMotion {
   const double *phidot, *phiddot;
 };
@@ -75,8 +76,7 @@ struct WideRotations {
   const double *r_bg, *u, *w;
 };
 
-/// The robots have bodies, and no couplings but for `kinematics`; those from `inertia` on at most
-/// kWideBodies bodies.
+/// Only `kinematics` takes coupled robots; from `inertia` on there are at most kWideBodies bodies.
 struct WideKernel {
   bool (*runs_here)();  ///< on this processor
   void (*kinematics)(const RobotModel& robot, const WideJoints& at, const WidePoses& out);
@@ -89,7 +89,7 @@ struct WideKernel {
                const double* F, const WideMotion& out);
   void (*motion)(const RobotModel& robot, const WideJoints& at, const double* added_inertia,
                  const KnownWideMotion& now, const WideLoad& load, const WideMotion& out);
-  // See free_base.hpp.
+  // See free_base.hpp; what is written does not overlap what is read.
   void (*base_velocity)(const RobotModel& robot, const WideJoints& at, const double* phidot,
                         double* Omega);
   void (*torques)(const RobotModel& robot, const WideJoints& at, const WideJointMotion& motion,
@@ -109,9 +109,10 @@ struct WideKernel {
 const WideKernel* wide_kernel_avx2();
 const WideKernel* wide_kernel_avx512();
 
-/// Null where the processor has no such registers or the robot has too many bodies, or none.
+/// Null where the processor has no such registers, the robot has too many bodies, or none, or is
+/// coupled.
 const WideKernel* wide_kernel(const RobotModel& robot);
-/// The same, however many bodies: for poses and bias forces alone.
+/// The same for poses and bias forces, however many bodies, coupled or not.
 const WideKernel* wide_passes(const RobotModel& robot);
 
 }  // namespace stillbase

@@ -27,8 +27,8 @@ void wide_motion(const RobotModel& robot, const WideJoints& at, const double* ad
       now, c_phi);
   WideEquations equations(robot, arm, added_inertia);
   const V f = load3(load.F_b) - bias.force;
-  const V v_g = f * all(equations.inverse_mass);  // acceleration of the system centroid
-  store3(equations.x, load3(load.F_b + 3) - bias.moment - cross(equations.r_bg, f));
+  const V v_g = f * all(equations.whole.inverse_mass);  // acceleration of the system centroid
+  store3(equations.x, load3(load.F_b + 3) - bias.moment - cross(equations.whole.r_bg, f));
   for (int k = 0; k < n; ++k) {
     equations.x[3 + k] = load.tau[k] - c_phi[k] - sum(arm.p[k] * v_g);
   }

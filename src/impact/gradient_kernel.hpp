@@ -34,7 +34,7 @@ using JointAxes = BodyWorkspace<SpatialVector<S>, S>;
 template <class S>
 static const WideKernel* registers_for(const RobotModel& robot) {
   if constexpr (std::is_same_v<S, double>) {
-    return robot.is_coupled() ? nullptr : wide_kernel(robot);
+    return wide_kernel(robot);
   } else {
     return nullptr;
   }

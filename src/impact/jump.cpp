@@ -34,9 +34,7 @@ ImpactJump<double> compute_jump(const RobotModel& robot, const JointVectord& phi
                                 const Vector6d& Fbar) {
   assert(added_inertia.size() == robot.n());
   const WideKernel* const wide = wide_kernel(robot);
-  const bool is_plain =
-      !robot.is_coupled() && std::find(locked.begin(), locked.end(), true) == locked.end();
-  if (wide == nullptr || !is_plain) {
+  if (wide == nullptr || std::find(locked.begin(), locked.end(), true) != locked.end()) {
     return kernel::jump<double>(robot, phi, added_inertia, locked, Fbar);
   }
   ImpactJump<double> out;

@@ -241,8 +241,9 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, R
   dxdt.segment(13 + N, N) = acceleration.phiddot;
   dxdt.segment<3>(13 + 2 * N) = -command_.wheel_torque;
   dxdt.segment<3>(16 + 2 * N).setZero();
-  if (options_.thrusters.exist())
+  if (options_.thrusters.exist()) {
     dxdt.segment<3>(16 + 2 * N) = state.base.orientation * command_.thruster_torque;
+  }
   if (encounter_ == nullptr) return;
 
   const Eigen::Index at = target_at(n());

@@ -94,7 +94,7 @@ Matrix3<S> damped_inverse_square(const Controller& controller, const Matrix3X<S>
                                  const Vector3<S>& L_g) {
   using std::max;
   using std::min;
-  constexpr double kWell = 1e-6;  // the inverse is then as exact as that of the eigenproblem
+  constexpr double kLeastDeterminant = 1e-6;  // of trace^3: the inverse is then known to 1e-11
   const Matrix3<S> square = square_of<S>(A);
   Matrix3<S> adjugate;
   adjugate.col(0) = Vector3<S>(square.col(1)).cross(Vector3<S>(square.col(2)));
@@ -103,13 +103,13 @@ Matrix3<S> damped_inverse_square(const Controller& controller, const Matrix3X<S>
   const S det = square.col(0).dot(adjugate.col(0));
   const auto trace = [](const Matrix3<S>& M) { return S(M(0, 0) + M(1, 1) + M(2, 2)); };
   const S size = trace(square);
-  // momentum_edge() squared, for the largest eigenvalue.
+  // As momentum_edge() and compute_momentum_transfer(), in squares, which take no roots.
   const auto edge_of = [&](const S& largest) {
     const S rank_edge(controller.rank_edge), rate_edge(controller.joint_rate_edge);
     return S(max(S(rank_edge * rank_edge * largest), S(L_g.dot(L_g) / (rate_edge * rate_edge))));
   };
   const S above_edge = det - edge_of(size) * trace(adjugate);
-  const S above_rounding = det - S(kWell) * size * size * size;
+  const S above_rounding = det - S(kLeastDeterminant) * size * size * size;
   // Where A = 0 there is no inverse.
   constexpr double kLeast = std::numeric_limits<double>::min();
   const auto is_whole = at_least(min(above_edge, above_rounding), S(kLeast));

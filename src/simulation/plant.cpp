@@ -34,7 +34,7 @@ PlantAcceleration compute_acceleration(const RobotModel& robot, const JointVecto
                                        const PlantState& state, const Vector6d& F_b,
                                        const JointVectord& tau, const std::vector<bool>& held) {
   const bool moves_freely = std::find(held.begin(), held.end(), true) == held.end();
-  const WideKernel* const wide = robot.is_coupled() ? nullptr : wide_kernel(robot);
+  const WideKernel* const wide = wide_kernel(robot);
   if (wide != nullptr && moves_freely) {
     PlantAcceleration out;
     out.phiddot.resize(robot.n());

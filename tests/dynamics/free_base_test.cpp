@@ -20,7 +20,7 @@ TEST_CASE("a free base moves without momentum, and its torques are those of the 
       robot.joints[static_cast<std::size_t>(k)].rotor_inertia = 1e-4;
       robot.joints[static_cast<std::size_t>(k)].gear_ratio = 30;
     }
-    if (trial % 5 == 4 && bodies > 1) robot = with_couplings(robot, random);
+    if (trial % 7 == 6 && bodies > 1) robot = with_couplings(robot, random);
     const int n = robot.n();
     reference::State state = random_state(random, n);
     JointVectord phiddot(n);
@@ -45,7 +45,7 @@ TEST_CASE("a free base moves without momentum, and its torques are those of the 
     }
     const Eigen::VectorXd dense = (dynamics.H * rates + dynamics.c).tail(n);
     const JointVectord torques =
-        motion_torques(robot, {state.phi, state.phidot, phiddot}, base_moves);
+        motion_torques(robot, state.phi, state.phidot, phiddot, base_moves);
     CHECK((torques - dense).norm() < 1e-10 * (1 + dense.norm()));
   }
 }

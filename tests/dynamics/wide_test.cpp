@@ -21,7 +21,7 @@ namespace {
 /// What a kernel computes of a posture.
 struct Wide {
   std::vector<double> R, o, c, I, subtree, H_bphi, H_phi, total, c_b, c_phi, Omega, phidot,
-      dot_Omega, phiddot, base_velocity, torques, by_motion, by_rotation;
+      dot_Omega, phiddot, base_velocity, torques, held_torques, by_motion, by_rotation;
 
   Wide(const WideKernel& kernel, const RobotModel& robot, const JointVectord& phi, double mark = 0)
       : Wide(static_cast<std::size_t>(robot.n()), mark) {
@@ -44,6 +44,7 @@ struct Wide {
                   {dot_Omega.data(), phiddot.data()});
     kernel.base_velocity(robot, at, rates.data(), base_velocity.data());
     kernel.torques(robot, at, {rates.data(), sine.data()}, true, torques.data());
+    kernel.torques(robot, at, {rates.data(), sine.data()}, false, held_torques.data());
     const std::vector<double> vector{0.3, 0.2, -0.1};
     kernel.motion_gradient(robot, poses, I.data(), {vector.data(), vector.data()},
                            {twist.data(), rates.data(), twist.data()},
@@ -52,9 +53,25 @@ struct Wide {
                              {vector.data(), twist.data(), vector.data()}, by_rotation.data());
   }
   std::vector<std::vector<double>> all() const {
-    return {R,         o,          c,     I,      subtree,   H_bphi,  H_phi,         total,
-            c_b,       c_phi,      Omega, phidot, dot_Omega, phiddot, base_velocity, torques,
-            by_motion, by_rotation};
+    return {R,
+            o,
+            c,
+            I,
+            subtree,
+            H_bphi,
+            H_phi,
+            total,
+            c_b,
+            c_phi,
+            Omega,
+            phidot,
+            dot_Omega,
+            phiddot,
+            base_velocity,
+            torques,
+            held_torques,
+            by_motion,
+            by_rotation};
   }
 
  private:
@@ -76,6 +93,7 @@ struct Wide {
         phiddot(c_phi),
         base_velocity(c_b),
         torques(c_phi),
+        held_torques(c_phi),
         by_motion(c_phi),
         by_rotation(c_phi) {}
 };

@@ -223,7 +223,7 @@ TEST_CASE("the damped inverse is that of the singular directions", "[simulation]
   int whole = 0, damped = 0;
   for (int trial = 0; trial < 6000; ++trial) {
     // Singular values of all sizes, the least ones zero in a third of the trials.
-    const double second = std::pow(10, random.uniform(-6, 0));
+    const double second = trial % 11 == 0 ? 0 : std::pow(10, random.uniform(-6, 0));
     const double third = trial % 3 == 0 ? 0 : second * std::pow(10, random.uniform(-4, 0));
     const double scale = std::pow(10, random.uniform(-3, 3));
     const Eigen::MatrixXd U = orthonormal(3), W = orthonormal(3 + trial % 5);
@@ -247,6 +247,19 @@ TEST_CASE("the damped inverse is that of the singular directions", "[simulation]
   }
   CHECK(whole > 1000);
   CHECK(damped > 1000);
+  // Nothing to push with, or a joint or two alone.
+  for (const double momentum : {0., 1.}) {
+    const Vector3d L_g(0, momentum, 0);
+    CHECK(damped_inverse_square<double>(Controller{}, Matrix3Xd::Zero(3, 4), L_g).isZero(0));
+    for (const int n : {1, 2}) {
+      Matrix3Xd A(3, n);
+      for (double& entry : A.reshaped()) entry = random.normal();
+      const auto transfer = compute_momentum_transfer<double>(Controller{}, A, L_g);
+      const Matrix3d expected = transfer.U * transfer.inverse.asDiagonal() * transfer.U.transpose();
+      const Matrix3d inverse = damped_inverse_square<double>(Controller{}, A, L_g);
+      CHECK((inverse - expected).norm() <= 1e-9 * expected.norm());
+    }
+  }
 }
 
 }  // namespace stillbase::test

@@ -6,7 +6,8 @@
 // serves any number of right-hand sides.
 //
 // From about 14 joints on this is faster than the inertia matrix and its Cholesky factor, see
-// kArticulatedBodyJoints, and from 21 on than these in wide registers, where a processor has them.
+// kArticulatedBodyJoints. Up to 20 bodies the matrix in wide registers is faster, where a processor
+// has them.
 #pragma once
 
 #include <stillbase/dynamics/bias.hpp>
