@@ -105,6 +105,7 @@ class Pack {
   friend Pack min(const Pack& a, const Pack& b) { return Pack(b.v < a.v ? b.v : a.v); }
   /// a >= b, a truth per lane.
   friend Truth at_least(const Pack& a, const Pack& b) { return {a.v >= b.v}; }
+  /// In every lane.
   friend bool all_hold(const Truth& truth) { return !any(~truth.lanes); }
   friend Pack where(const Truth& holds, const Pack& a, const Pack& b) {
     return Pack(holds.lanes ? a.v : b.v);

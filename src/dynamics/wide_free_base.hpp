@@ -1,9 +1,8 @@
 // Base motion without momentum, and joint torques with the base free or held, in wide registers.
 #pragma once
 
-#include "dynamics/wide_bias.hpp"
 #include "dynamics/wide_factor.hpp"
-#include "dynamics/wide_inertia.hpp"
+#include "dynamics/wide_posture.hpp"
 #include "dynamics/wide_spatial.hpp"
 
 namespace stillbase {
@@ -62,24 +61,15 @@ void wide_torques(const RobotModel& robot, const WideJoints& at, const WideJoint
   const Joint* const joints = &robot.joints[0];
   const Body* const bodies = &robot.bodies[0];
   const auto n = static_cast<int>(robot.bodies.size());
-  WidePose poses[kWideBodies];
-  place_bodies(robot, at, poses);
-  Wide3x3 inertias[kWideBodies];  // of the bodies about their own centroids
-  const WideArm arm(
-      robot, [&poses](int k) -> const WidePose& { return poses[k]; },
-      [&inertias](int k, const Wide3x3& I) { inertias[k] = I; });
+  const WidePosture posture(robot, at);
+  const WideArm& arm = posture.arm;
   const WideSpatial none{all(0), all(0)};
   const WideFreeBase free(arm);
   const WideSpatial base = base_moves ? free.twist(minus_momentum(n, arm, motion.phidot)) : none;
   double Omega[6];
   store3(Omega, base.v);
   store3(Omega + 3, base.w);
-  const WideBaseBias bias = sum_bias(
-      robot,
-      [&](int k) -> WideBody {
-        return {poses[k].R.c2, poses[k].o, poses[k].c, inertias[k]};
-      },
-      {Omega, motion.phidot}, tau);
+  const WideBaseBias bias = posture.bias(robot, {Omega, motion.phidot}, tau);
   WideSpatial acceleration = none;  // of the base
   if (base_moves) {
     WideSpatial rest = minus_momentum(n, arm, motion.phiddot);
@@ -94,7 +84,7 @@ void wide_torques(const RobotModel& robot, const WideJoints& at, const WideJoint
     const WideSpatial& inherited = parent == kBase ? acceleration : twist[parent];
     twist[k] = {inherited.v + arm.v[k] * all(motion.phiddot[k]),
                 inherited.w + arm.w[k] * all(motion.phiddot[k])};
-    momentum[k] = momentum_of(twist[k], poses[k].c, inertias[k], bodies[k].mass);
+    momentum[k] = momentum_of(twist[k], posture.poses[k].c, posture.inertias[k], bodies[k].mass);
   }
   for (int k = n - 1; k >= 0; --k) {
     const Joint& joint = joints[k];

@@ -2,8 +2,8 @@
 // registers: poses, inertia, bias forces and factor are nowhere written down.
 #pragma once
 
-#include "dynamics/wide_bias.hpp"
 #include "dynamics/wide_equations.hpp"
+#include "dynamics/wide_posture.hpp"
 
 namespace stillbase {
 
@@ -12,19 +12,10 @@ namespace {
 void wide_motion(const RobotModel& robot, const WideJoints& at, const double* added_inertia,
                  const KnownWideMotion& now, const WideLoad& load, const WideMotion& out) {
   const auto n = static_cast<int>(robot.bodies.size());
-  WidePose poses[kWideBodies];
-  place_bodies(robot, at, poses);
-  Wide3x3 inertias[kWideBodies];  // of the bodies about their own centroids
-  const WideArm arm(
-      robot, [&poses](int k) -> const WidePose& { return poses[k]; },
-      [&inertias](int k, const Wide3x3& I) { inertias[k] = I; });
+  const WidePosture posture(robot, at);
+  const WideArm& arm = posture.arm;
   double c_phi[kWideBodies];
-  const WideBaseBias bias = sum_bias(
-      robot,
-      [&](int k) -> WideBody {
-        return {poses[k].R.c2, poses[k].o, poses[k].c, inertias[k]};
-      },
-      now, c_phi);
+  const WideBaseBias bias = posture.bias(robot, now, c_phi);
   WideEquations equations(robot, arm, added_inertia);
   const V f = load3(load.F_b) - bias.force;
   const V v_g = f * all(equations.whole.inverse_mass);  // acceleration of the system centroid

@@ -214,7 +214,8 @@ void ClosedLoop::derivative(double t, const StateVector& x, StateVector& dxdt, R
     command(state, terms_at(x, state), t - options_.start_time);
     limit(state.phidot);
   }
-  if (recorder != nullptr || encounter_ != nullptr) terms_at(x, state);
+  if (recorder != nullptr)
+    terms_at(x, state);  // it looks at them: the acceleration takes them, too
   const PlantAcceleration acceleration = this->acceleration(x, state, load(t, x, state));
   if (recorder != nullptr) {
     const PlantTerms& terms = terms_at(x, state);

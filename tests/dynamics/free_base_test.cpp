@@ -7,6 +7,7 @@
 #include "dynamics/free_base.hpp"
 #include "reference/random_state.hpp"
 #include "support/coupled_robot.hpp"
+#include "support/drives.hpp"
 
 using namespace stillbase;
 using namespace stillbase::reference_test;
@@ -15,11 +16,7 @@ TEST_CASE("a free base moves without momentum, and its torques are those of the 
   for (int trial = 0; trial < 260; ++trial) {
     Random random(95, static_cast<std::uint64_t>(trial));
     const int bodies = 1 + trial % 25;  // some more than registers are used for
-    RobotModel robot = random_robot(random, bodies, trial % 3 != 0);
-    for (int k = 0; k < bodies; k += 3) {
-      robot.joints[static_cast<std::size_t>(k)].rotor_inertia = 1e-4;
-      robot.joints[static_cast<std::size_t>(k)].gear_ratio = 30;
-    }
+    RobotModel robot = with_drives(random_robot(random, bodies, trial % 3 != 0));
     if (trial % 7 == 6 && bodies > 1) robot = with_couplings(robot, random);
     const int n = robot.n();
     reference::State state = random_state(random, n);

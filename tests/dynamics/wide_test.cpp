@@ -12,6 +12,7 @@
 #include "dynamics/wide_kernel.hpp"
 #include "impact/gradient_kernel.hpp"
 #include "impact/jump_kernel.hpp"
+#include "support/drives.hpp"
 #include "support/random_robot.hpp"
 
 namespace stillbase {
@@ -104,16 +105,6 @@ JointVectord random_positions(Random& random, int n) {
   return phi;
 }
 
-/// Drives on some joints.
-RobotModel random_robot_with_drives(Random& random, int n, bool is_tree) {
-  RobotModel robot = random_robot(random, n, is_tree);
-  for (int k = 0; k < n; k += 3) {
-    robot.joints[static_cast<std::size_t>(k)].rotor_inertia = 1e-3;
-    robot.joints[static_cast<std::size_t>(k)].gear_ratio = 40;
-  }
-  return robot;
-}
-
 void put_hand(RobotModel& robot, int body) {
   robot.hand_body = body;
   robot.moves_hand.assign(robot.moves_hand.size(), false);
@@ -136,7 +127,7 @@ TEST_CASE("wide registers give what the templates do") {
   for (int trial = 0; trial < 400; ++trial) {
     const int n = 1 + trial % kMaxJoints;
     const bool is_tree = trial / kMaxJoints % 2 == 0;
-    const RobotModel robot = random_robot_with_drives(random, n, is_tree);
+    const RobotModel robot = with_drives(random_robot(random, n, is_tree));
     const JointVectord phi = random_positions(random, n);
     const Kinematics<double> kin = compute_kinematics<double>(robot, phi);
     const Kinematics<double> plain = kernel::kinematics<double>(robot, phi);
@@ -177,7 +168,7 @@ TEST_CASE("bias and jump in wide registers are what the templates give") {
   for (int trial = 0; trial < 6 * kMaxJoints; ++trial) {
     const int n = 1 + trial % kMaxJoints;
     const bool is_tree = trial / kMaxJoints % 2 == 0;
-    RobotModel robot = random_robot_with_drives(random, n, is_tree);
+    RobotModel robot = with_drives(random_robot(random, n, is_tree));
     // On a leaf, on the base, or on a body in between.
     if (trial / kMaxJoints % 3 != 0) {
       put_hand(robot, trial / kMaxJoints % 3 == 1 ? kBase : trial % n);
@@ -214,7 +205,7 @@ TEST_CASE("impact gradients in wide registers are what the templates give") {
   for (int trial = 0; trial < 400; ++trial) {
     const int n = 1 + trial % kWideBodies;
     const bool is_tree = trial / kWideBodies % 2 == 0;
-    RobotModel robot = random_robot_with_drives(random, n, is_tree);
+    RobotModel robot = with_drives(random_robot(random, n, is_tree));
     if (trial / kWideBodies % 3 != 0) {
       put_hand(robot, trial / kWideBodies % 3 == 1 ? kBase : trial % n);
     }

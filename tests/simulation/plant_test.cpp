@@ -7,8 +7,44 @@
 #include "simulation/robots.hpp"
 #include "support/coupled_robot.hpp"
 #include "support/dense.hpp"
+#include "support/drives.hpp"
 
 namespace stillbase::test {
+
+namespace {
+
+/// (3) by the second implementation, with the rotors.
+struct DenseEquation {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd c;
+
+  /// [dot Omega; phi''], zero for held joints.
+  Eigen::VectorXd solved(const Vector6d& F_b, const JointVectord& tau,
+                         const std::vector<bool>& held) const {
+    Eigen::MatrixXd left = H;
+    Eigen::VectorXd right(c.size());
+    right << F_b, tau;
+    right -= c;
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      if (!held[k]) continue;
+      const auto row = 6 + static_cast<Eigen::Index>(k);
+      left.row(row).setZero();
+      left.col(row).setZero();
+      left(row, row) = 1;
+      right[row] = 0;
+    }
+    return test::solve(left, right);
+  }
+};
+
+DenseEquation dense_equation(const RobotModel& robot, const JointVectord& rotors,
+                             const PlantState& state) {
+  reference::Dynamics dynamics = reference::compute(robot, {state.phi, state.phidot, state.Omega});
+  dynamics.H.diagonal().tail(robot.n()) += rotors;
+  return {dynamics.H, dynamics.c};
+}
+
+}  // namespace
 
 TEST_CASE("accelerations are those of the dense equation of motion", "[simulation]") {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
@@ -24,20 +60,16 @@ TEST_CASE("accelerations are those of the dense equation of motion", "[simulatio
     const PlantTerms terms(robot, rotors, state);
     const PlantAcceleration fast = compute_acceleration(terms, F_b, tau);
 
-    const reference::Dynamics dynamics =
-        reference::compute(robot, {state.phi, state.phidot, state.Omega});
-    Eigen::MatrixXd H = dynamics.H;
-    H.diagonal().tail(n) += rotors;
-    Eigen::VectorXd forces(6 + n);
-    forces << F_b, tau;
-    const Eigen::VectorXd dense = test::solve(H, forces - dynamics.c);
+    const DenseEquation equation = dense_equation(robot, rotors, state);
+    const Eigen::VectorXd dense = equation.solved(F_b, tau, {});
     INFO("seed " << seed);
     CHECK((fast.dot_Omega - dense.head(6)).norm() < 1e-10 * (1 + dense.norm()));
     CHECK((fast.phiddot - dense.tail(n)).norm() < 1e-10 * (1 + dense.norm()));
 
     Eigen::VectorXd velocity(6 + n);
     velocity << state.Omega, state.phidot;
-    CHECK(kinetic_energy(terms.inertia, state) == Approx(0.5 * velocity.dot(H * velocity)));
+    CHECK(kinetic_energy(terms.inertia, state) ==
+          Approx(0.5 * velocity.dot(equation.H * velocity)));
   }
 }
 
@@ -45,11 +77,7 @@ TEST_CASE("accelerations without the terms are those of the dense equation", "[s
   for (int trial = 0; trial < 260; ++trial) {
     Random random(static_cast<std::uint64_t>(trial), 38);
     const int bodies = trial % (kMaxJoints + 1);
-    RobotModel robot = random_robot(random, bodies, trial % 3 != 0);
-    for (int k = 0; k < bodies; k += 3) {
-      robot.joints[static_cast<std::size_t>(k)].rotor_inertia = 1e-4;
-      robot.joints[static_cast<std::size_t>(k)].gear_ratio = 30;
-    }
+    RobotModel robot = with_drives(random_robot(random, bodies, trial % 3 != 0));
     if (trial % 7 == 6 && bodies > 1) robot = with_couplings(robot, random);
     const int n = robot.n();
     const PlantState state = random_state(random, n, 1);
@@ -67,21 +95,7 @@ TEST_CASE("accelerations without the terms are those of the dense equation", "[s
       return held.empty() || !held[static_cast<std::size_t>(k)];
     };
 
-    const reference::Dynamics dynamics =
-        reference::compute(robot, {state.phi, state.phidot, state.Omega});
-    Eigen::MatrixXd H = dynamics.H;
-    H.diagonal().tail(n) += rotors;
-    Eigen::VectorXd forces(6 + n);
-    forces << F_b, tau;
-    forces -= dynamics.c;
-    for (int k = 0; k < n; ++k) {
-      if (moves(k)) continue;
-      H.row(6 + k).setZero();
-      H.col(6 + k).setZero();
-      H(6 + k, 6 + k) = 1;
-      forces[6 + k] = 0;
-    }
-    const Eigen::VectorXd dense = test::solve(H, forces);
+    const Eigen::VectorXd dense = dense_equation(robot, rotors, state).solved(F_b, tau, held);
     const PlantAcceleration fast = compute_acceleration(robot, rotors, state, F_b, tau, held);
     INFO("trial " << trial << ", joints " << n);
     CHECK((fast.dot_Omega - dense.head(6)).norm() < 1e-9 * (1 + dense.norm()));
