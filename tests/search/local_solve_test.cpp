@@ -33,6 +33,10 @@ struct Solves {
   int again = 0;  ///< that ran a second time
 };
 
+bool is_again(const nlp::OptimizeResult& found) {
+  return found.message.find("started again") != std::string::npos;
+}
+
 /// @param off violation at which a start counts
 template <class Judge>
 Solves solves_of(const std::string& optimizer, const std::string& problem, int draws,
@@ -52,7 +56,7 @@ Solves solves_of(const std::string& optimizer, const std::string& problem, int d
     const nlp::OptimizeResult found = solver->minimize(formulation, start.x);
     INFO("draw " << draw << ", " << found.evaluations << " evaluations");
     judge(found);
-    out.again += found.message.find("started again") != std::string::npos ? 1 : 0;
+    out.again += is_again(found) ? 1 : 0;
   }
   return out;
 }
@@ -83,15 +87,18 @@ TEST_CASE("a solve that ends at a violated point is made again with a short firs
       const Solves solves =
           solves_of(optimizer, "deos_latch", 64, seed, 1e-9, [&far](const auto& found) {
             CHECK(found.feasible);
-            far += found.certificate.kkt_residual < 0.01 ? 0 : 1;
+            const bool is_near = found.certificate.kkt_residual < 0.01;
+            if (is_again(found)) CHECK(is_near);
+            far += is_near ? 0 : 1;
           });
       all.starts += solves.starts;
       all.again += solves.again;
     }
     CHECK(all.starts > 200);
-    // Of nlopt-slsqp 13 of 1896, of sqp one.
-    CHECK(far <= all.starts / 50);
-    if (optimizer == std::string("nlopt-slsqp")) CHECK(all.again >= 1);
+    // Of 80 seeds nlopt-slsqp leaves 13 of 1896, none that was made again, sqp one.
+    const bool is_own = optimizer == std::string("sqp");
+    CHECK(far <= all.starts / (is_own ? 200 : 50));
+    if (!is_own) CHECK(all.again >= 1);
   }
 }
 
