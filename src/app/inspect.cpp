@@ -28,7 +28,7 @@ struct InspectRequest {
 class Listing : public io::TableWriter {
  public:
   std::string text;
-  void operator()(const std::string& key, const io::Value& value, const std::string& meaning,
+  void operator()(const std::string& key, const io::Value& value, std::string_view meaning,
                   const io::About& about = {}) override {
     io::TableWriter::operator()(key, value, meaning, about);
     const Json* x = json.find(key);

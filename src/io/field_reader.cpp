@@ -56,7 +56,7 @@ void MapReader::miss(const std::string& key) {
   missing_.push_back(key);
 }
 
-void MapReader::operator()(const std::string& key, const Value& value, const std::string&,
+void MapReader::operator()(const std::string& key, const Value& value, std::string_view,
                            const About& about) {
   if (about.when && !*about.when) return;
   const Node* node = child(key);

@@ -44,7 +44,7 @@ class MapReader : public Table {
   int one_of(const std::vector<std::string>& keys, int written, const std::string& rule) override;
   void not_both(const std::string& a, const std::string& b) override;
   MapReader* reader() override { return this; }
-  void operator()(const std::string& key, const Value& value, const std::string& text,
+  void operator()(const std::string& key, const Value& value, std::string_view text,
                   const About& about = {}) override;
 
  private:

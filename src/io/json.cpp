@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -11,7 +10,8 @@ namespace stillbase::io {
 
 namespace {
 
-constexpr int kMaxDepth = 512;  ///< the functions below call themselves
+constexpr int kMaxDepth = 512;   ///< the functions below call themselves
+constexpr std::size_t kFew = 4;  ///< keys of most objects
 
 using Parsed = nlohmann::ordered_json;
 
@@ -42,29 +42,29 @@ Json json_of(const Parsed& parsed) {
   }
 }
 
-void add_text(const std::string& text, std::string& out) {
+void add_text(std::string_view text, std::string& out) {
   const bool is_plain = std::all_of(text.begin(), text.end(), [](char c) {
     return c >= 0x20 && c < 0x7F && c != '"' && c != '\\';
   });
-  out += is_plain ? '"' + text + '"'
-                  : Parsed(text).dump(-1, ' ', false, Parsed::error_handler_t::replace);
-}
-
-void add_real(double x, std::string& out) {
-  char digits[64];
-  out.append(digits, nlohmann::detail::to_chars(std::begin(digits), std::end(digits), x));
+  if (!is_plain) {
+    out += Parsed(text).dump(-1, ' ', false, Parsed::error_handler_t::replace);
+    return;
+  }
+  out += '"';
+  out += text;
+  out += '"';
 }
 
 /// How a document is laid out on one line.
 struct Layout {
-  const char *comma = ",", *colon = ":";
+  std::string_view comma = ",", colon = ":";
   bool sorts_keys = false;
 };
 
 /// Appends the document on one line.
-/// @param most length of `out` beyond which the rest may be left out
+/// @param without keys that are left out where keys are sorted, not those of objects in it
 void add_flat(const Json& json, const Layout& layout, std::string& out,
-              std::size_t most = std::string::npos) {
+              std::initializer_list<std::string_view> without = {}) {
   switch (json.kind()) {
     case Json::Kind::Null:
       out += "null";
@@ -79,45 +79,63 @@ void add_flat(const Json& json, const Layout& layout, std::string& out,
       out += std::to_string(json.get<std::uint64_t>());
       return;
     case Json::Kind::Real:
-      add_real(json.get<double>(), out);
+      out += json.text();
       return;
     case Json::Kind::Text:
-      add_text(json.get<std::string>(), out);
+      add_text(json.text(), out);
       return;
     case Json::Kind::Array:
     case Json::Kind::Object:
       break;
   }
+  const bool is_sorted = layout.sorts_keys && json.is_object();
   std::vector<std::size_t> order;
-  if (layout.sorts_keys && json.is_object()) {
-    order.resize(json.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
+  if (is_sorted) {
+    const std::vector<std::string>& keys = json.keys();
+    order.reserve(keys.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      if (std::find(without.begin(), without.end(), keys[i]) == without.end()) order.push_back(i);
+    }
     std::sort(order.begin(), order.end(),
-              [&json](std::size_t a, std::size_t b) { return json.keys()[a] < json.keys()[b]; });
+              [&keys](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
   }
+  const std::size_t size = is_sorted ? order.size() : json.size();
   out += json.is_array() ? '[' : '{';
-  for (std::size_t i = 0; i < json.size() && out.size() <= most; ++i) {
-    const std::size_t place = order.empty() ? i : order[i];
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t place = is_sorted ? order[i] : i;
     if (i > 0) out += layout.comma;
     if (json.is_object()) {
       add_text(json.keys()[place], out);
       out += layout.colon;
     }
-    add_flat(json.at(place), layout, out, most);
+    add_flat(json.begin()[place], layout, out);
   }
   out += json.is_array() ? ']' : '}';
 }
 
+constexpr Layout kSpaced{", ", ": "};
+
+/// At most the length on one line (quotes, escapes, whole numbers, true, false and null do not
+/// count), or something above `most`.
+std::size_t least_length(const Json& json, std::size_t most) {
+  if (!json.is_structured()) return json.text().size();
+  std::size_t length = 0;  // the brackets take as much as a comma behind the last one
+  for (std::size_t i = 0; i < json.size() && length <= most; ++i) {
+    if (json.is_object()) length += json.keys()[i].size() + kSpaced.colon.size();
+    length += least_length(json.begin()[i], most) + kSpaced.comma.size();
+  }
+  return length;
+}
+
 void add_pretty(const Json& json, std::size_t depth, std::string& out) {
-  constexpr Layout kSpaced{", ", ": "};
   constexpr std::size_t kLineLength = 100;
   const auto is_plain = [](const Json& value) { return !value.is_structured(); };
   const bool is_list = json.is_array() && std::all_of(json.begin(), json.end(), is_plain);
   if (!json.is_structured() || is_list) return add_flat(json, kSpaced, out);
-  if (2 * depth < kLineLength) {
-    const std::size_t begin = out.size(), most = begin + kLineLength - 2 * depth;
-    add_flat(json, kSpaced, out, most);
-    if (out.size() <= most) return;
+  const std::size_t begin = out.size(), most = kLineLength - std::min(kLineLength, 2 * depth);
+  if (least_length(json, most) <= most) {
+    add_flat(json, kSpaced, out);
+    if (out.size() <= begin + most) return;
     out.resize(begin);
   }
   const std::string indent(2 * (depth + 1), ' ');
@@ -129,7 +147,7 @@ void add_pretty(const Json& json, std::size_t depth, std::string& out) {
       add_text(json.keys()[i], out);
       out += kSpaced.colon;
     }
-    add_pretty(json.at(i), depth + 1, out);
+    add_pretty(json.begin()[i], depth + 1, out);
   }
   out += '\n' + std::string(2 * depth, ' ');
   out += json.is_array() ? ']' : '}';
@@ -141,6 +159,10 @@ Json::Json(double x) : kind_(Kind::Real), real_(x) {
   if (!std::isfinite(x)) {
     throw NotFiniteError("a number that is not finite cannot be written");
   }
+  char digits[64];
+  const char* const end = nlohmann::detail::to_chars(std::begin(digits), std::end(digits), x);
+  digit_count_ = static_cast<std::size_t>(end - digits);
+  std::copy_n(digits, digit_count_, digits_.begin());
 }
 
 Json::Json(std::initializer_list<Json> list) : kind_(Kind::Array) {
@@ -193,6 +215,7 @@ const Json* Json::find(std::string_view key) const {
 Json& Json::operator[](std::string_view key) {
   if (is_null()) kind_ = Kind::Object;
   if (const Json* found = find(key)) return const_cast<Json&>(*found);
+  if (keys_.empty()) reserve(kFew);
   keys_.emplace_back(key);
   return items_.emplace_back();
 }
@@ -243,20 +266,26 @@ Json array_json(const Eigen::Ref<const Eigen::VectorXd>& v) {
 }
 
 Json quaternion_json(const Eigen::Quaterniond& q) {
-  return {{"w", q.w()}, {"x", q.x()}, {"y", q.y()}, {"z", q.z()}};
+  Json json = Json::object();
+  json["w"] = q.w();
+  json["x"] = q.x();
+  json["y"] = q.y();
+  json["z"] = q.z();
+  return json;
 }
 
 std::string pretty(const Json& json) {
   std::string out;
   add_pretty(json, 0, out);
-  return out + '\n';
+  out += '\n';
+  return out;
 }
 
 bool is_json(std::string_view text) { return Parsed::accept(text); }
 
-std::string canonical(const Json& json) {
+std::string canonical(const Json& json, std::initializer_list<std::string_view> without) {
   std::string out;
-  add_flat(json, {.sorts_keys = true}, out);
+  add_flat(json, {.sorts_keys = true}, out, without);
   return out;
 }
 

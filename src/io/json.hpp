@@ -3,6 +3,7 @@
 // The header includes no JSON library. nlohmann parses, and prints numbers, in json.cpp alone.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -82,7 +83,10 @@ class Json {
   Json& back() { return items_.back(); }
   /// Makes an array of a null.
   void push_back(Json x);
-  void reserve(std::size_t size) { items_.reserve(size); }
+  void reserve(std::size_t size) {
+    items_.reserve(size);
+    if (is_object()) keys_.reserve(size);
+  }
 
   const std::vector<std::string>& keys() const {
     return keys_;
@@ -99,6 +103,11 @@ class Json {
   /// Takes over the keys and values of another object.
   void update(const Json& other);
 
+  /// Of a text, and of a real number as it is printed.
+  std::string_view text() const {
+    return kind_ == Kind::Real ? std::string_view(digits_.data(), digit_count_)
+                               : std::string_view(text_);
+  }
   /// bool, a number, std::string, a std::vector of those, or the value itself.
   /// @throws JsonError for another kind of value, and for a whole number that T does not hold
   template <class T>
@@ -155,6 +164,8 @@ class Json {
   Kind kind_ = Kind::Null;
   std::int64_t integer_ = 0;  ///< Bool, Integer, Unsigned (its bits)
   double real_ = 0;
+  std::array<char, 24> digits_ = {};  ///< Real: printed; -2.2250738585072014e-308 needs them all
+  std::size_t digit_count_ = 0;
   std::string text_;
   std::vector<std::string> keys_;  ///< Object: beside items_
   std::vector<Json> items_;
@@ -174,6 +185,7 @@ std::string pretty(const Json& json);
 bool is_json(std::string_view text);
 
 /// Text for fingerprints: keys sorted, no white space. Does not depend on how a file is laid out.
-std::string canonical(const Json& json);
+/// @param without keys of the document that are left out, not those of objects in it
+std::string canonical(const Json& json, std::initializer_list<std::string_view> without = {});
 
 }  // namespace stillbase::io

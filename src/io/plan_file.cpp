@@ -20,9 +20,8 @@ namespace io {
 namespace {
 
 /// SHA-256 of a plan document without `tool`, `timing`, `verification` and `content_sha256`.
-std::string content_sha256(Json document) {
-  for (const char* key : {"tool", "timing", "verification", "content_sha256"}) document.erase(key);
-  return sha256_hex(canonical(document));
+std::string content_sha256(const Json& document) {
+  return sha256_hex(canonical(document, {"tool", "timing", "verification", "content_sha256"}));
 }
 
 /// The text as JSON, for its fingerprint. YAML that is not JSON is refused.

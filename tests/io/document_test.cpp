@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <clocale>
 #include <locale>
 
@@ -102,4 +103,35 @@ TEST_CASE("numbers do not depend on the locale") {
   std::locale::global(before);
   CHECK(good == 1.5);
   CHECK_FALSE(bad);
+}
+
+TEST_CASE("the longest numbers of JSON read back the same") {
+  for (const double x : {-2.2250738585072014e-308, -1.7976931348623157e308, -0.00012345678901234567,
+                         -123456789012345.67, -0.0}) {
+    const std::string text = Json(x).dump();
+    INFO(text);
+    CHECK(Json::parse(text).get<double>() == x);
+    CHECK(text.size() <= 24);
+  }
+  CHECK(Json(-2.2250738585072014e-308).dump() == "-2.2250738585072014e-308");
+}
+
+TEST_CASE("the text for a fingerprint leaves out keys of the document alone") {
+  const Json document{{"tool", 1}, {"plan", {{"tool", 2}, {"a", {3, 4.5}}}}, {"more", nullptr}};
+  CHECK(canonical(document) == R"({"more":null,"plan":{"a":[3,4.5],"tool":2},"tool":1})");
+  CHECK(canonical(document, {"tool", "more"}) == R"({"plan":{"a":[3,4.5],"tool":2}})");
+  CHECK(canonical(document, {"more", "plan", "tool"}) == "{}");
+}
+
+TEST_CASE("an object stays on one line of up to 100 characters with its indent") {
+  // {"a": {"b": 0.5}, "c": "x...x"} takes 26 characters beside the x.
+  const auto lines = [](const std::string& text) {
+    const std::string out = pretty({{"a", {{"b", 0.5}}}, {"c", text}});
+    return std::count(out.begin(), out.end(), '\n');
+  };
+  CHECK(lines(std::string(74, 'x')) == 1);
+  CHECK(lines(std::string(75, 'x')) == 4);
+  // What is escaped takes more room than its text.
+  CHECK(lines(std::string(73, 'x') + '"') == 4);
+  CHECK(lines(std::string(72, 'x') + '"') == 1);
 }

@@ -170,12 +170,16 @@ void TableDescriber::place_new_rows(std::size_t at) {
   new_rows_.clear();
 }
 
-void TableDescriber::operator()(const std::string& key, const Value& value, const std::string& text,
+void TableDescriber::operator()(const std::string& key, const Value& value, std::string_view text,
                                 const About& about) {
   Variant& variant = variants_.back();
   const bool is_required = about.need == Need::Required && !about.when;
-  FieldRow row{
-      .name = key, .text = text, .shape = {}, .unit = {}, .range = {}, .without = about.without};
+  FieldRow row{.name = key,
+               .text = std::string(text),
+               .shape = {},
+               .unit = {},
+               .range = {},
+               .without = about.without};
   if (row.without.empty() && !about.when) {
     row.without = is_required ? "required" : default_text(value);
   }

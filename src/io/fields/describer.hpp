@@ -21,7 +21,7 @@ class TableDescriber : public Table {
   bool states(const std::string& key, bool is_written) override;
   int one_of(const std::vector<std::string>& keys, int written, const std::string& rule) override;
   void not_both(const std::string& a, const std::string& b) override;
-  void operator()(const std::string& key, const Value& value, const std::string& text,
+  void operator()(const std::string& key, const Value& value, std::string_view text,
                   const About& about = {}) override;
 
  private:

@@ -77,7 +77,7 @@ About needed(std::string unit, std::string frame) {
   return {.need = Need::Required, .unit = std::move(unit), .frame = std::move(frame)};
 }
 
-void TableWriter::operator()(const std::string& key, const Value& value, const std::string&,
+void TableWriter::operator()(const std::string& key, const Value& value, std::string_view,
                              const About& about) {
   if (about.is_used && about.when.value_or(true) && value.is_written) json[key] = value.write();
 }
@@ -85,7 +85,7 @@ void TableWriter::operator()(const std::string& key, const Value& value, const s
 Json written(const TableBody& body) {
   TableWriter writer;
   body(writer);
-  return writer.json;
+  return std::move(writer.json);
 }
 
 void read_map(std::string_view text, const std::string& source, const TableBody& body,
@@ -170,6 +170,7 @@ ListValue::ListValue(const Items& items, const ListLimits& limits) {
   };
   write = [items] {
     Json json = Json::array();
+    json.reserve(items.size());
     for (std::size_t i = 0; i < items.size(); ++i) json.push_back(items.at(i).write());
     return json;
   };

@@ -16,6 +16,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -87,7 +88,7 @@ About needed(std::string unit, std::string frame = {});
 class Table {
  public:
   virtual ~Table() = default;
-  virtual void operator()(const std::string& key, const Value& value, const std::string& text,
+  virtual void operator()(const std::string& key, const Value& value, std::string_view text,
                           const About& about = {}) = 0;
   /// Whether a key is there on which other fields of the map depend. @param is_written in a copy
   virtual bool states(const std::string& key, bool is_written) = 0;
@@ -104,7 +105,7 @@ class Table {
 class TableWriter : public Table {
  public:
   Json json = Json::object();
-  void operator()(const std::string& key, const Value& value, const std::string& text,
+  void operator()(const std::string& key, const Value& value, std::string_view text,
                   const About& about = {}) override;
   bool states(const std::string&, bool is_written) override { return is_written; }
   int one_of(const std::vector<std::string>&, int written, const std::string&) override {
