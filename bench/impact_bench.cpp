@@ -270,6 +270,9 @@ class Reporter : public benchmark::ConsoleReporter {
     }
     row("rk4_step_without_control", "rk4_step_without_control/mujoco");
     row("rk4_step_under_control/sampled_rns_damped", "rk4_step_without_control/mujoco");
+    for (const char* how : {"/fcl_pairs", "/fcl_tree", "/fcl_overlap"}) {
+      row("path_posture", std::string("path_posture") + how);
+    }
     for (const char* what : {"base_angular_velocity", "base_angular_momentum"}) {
       row(std::string("jump_with_gradient_in_packs/") + what,
           std::string("jump_with_gradient/") + what);

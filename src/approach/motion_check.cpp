@@ -37,8 +37,8 @@ std::optional<Proximity> StillScene::first_hit(const JointVectord& phi) const {
   return std::nullopt;
 }
 
-bool StillScene::is_motion_clear(const JointVectord& a, const JointVectord& b, double begin,
-                                 double end) const {
+bool StillScene::is_part_clear(const JointVectord& a, const JointVectord& b, double begin,
+                               double end, const Unsure* before) const {
   const JointVectord phi = a + (begin + end) / 2 * (b - a);
   const auto kinematics = compute_kinematics<double>(problem_.robot, phi);
   const Pose base = base_at(kinematics);
@@ -48,15 +48,23 @@ bool StillScene::is_motion_clear(const JointVectord& a, const JointVectord& b, d
     travel.base_translation = centroid_levers_.dot(travel.joints);
   }
   const double margin = least_distance(problem_.approach);
-  const SweepVerdict alone = scene_.sweep(kinematics, base, nullptr, travel, margin).verdict;
-  if (alone == SweepVerdict::Hit) return false;
-  const SweepVerdict beside_target =
-      target_scene_.sweep_each(kinematics, base, targets_, travel, margin);
-  if (beside_target == SweepVerdict::Hit) return false;
-  const bool clear = alone == SweepVerdict::Clear && beside_target == SweepVerdict::Clear;
+  SweepResult alone, beside_target;
+  if (before == nullptr || !before->alone.empty()) {
+    alone = scene_.sweep(kinematics, base, nullptr, travel, margin,
+                         before == nullptr ? nullptr : &before->alone);
+    if (alone.verdict == SweepVerdict::Hit) return false;
+  }
+  if (before == nullptr || !before->beside_target.empty()) {
+    beside_target = target_scene_.sweep_each(kinematics, base, targets_, travel, margin,
+                                             before == nullptr ? nullptr : &before->beside_target);
+    if (beside_target.verdict == SweepVerdict::Hit) return false;
+  }
+  const bool clear =
+      alone.verdict == SweepVerdict::Clear && beside_target.verdict == SweepVerdict::Clear;
   if (clear || (end - begin) * (b - a).norm() <= resolution_) return true;
+  const Unsure unsure{std::move(alone.unsure), std::move(beside_target.unsure)};
   const double middle = (begin + end) / 2;
-  return is_motion_clear(a, b, begin, middle) && is_motion_clear(a, b, middle, end);
+  return is_part_clear(a, b, begin, middle, &unsure) && is_part_clear(a, b, middle, end, &unsure);
 }
 
 namespace {
@@ -95,7 +103,7 @@ class Follower {
   std::optional<TimedHit> first_hit() const {
     for (std::size_t i = 0; i < path_.segments(); ++i) {
       if (i == moving_ && target_ == nullptr) continue;
-      if (auto hit = on_segment(i, path_.times[i], path_.times[i + 1])) return hit;
+      if (auto hit = on_segment(i, path_.times[i], path_.times[i + 1], nullptr)) return hit;
     }
     Pose storage;
     const auto hit = task_.scene.first_hit(kinematics(path_.phi.back()), base_poses_.back(),
@@ -149,7 +157,9 @@ class Follower {
     return base_poses_[i] * base_step(task_.problem.robot, path_, i, path_.times[i], t);
   }
 
-  std::optional<TimedHit> on_segment(std::size_t i, double t0, double t1) const {
+  /// @param among pairs that a longer part of the segment left unsure; null: every pair
+  std::optional<TimedHit> on_segment(std::size_t i, double t0, double t1,
+                                     const std::vector<std::size_t>* among) const {
     const MotionCheckOptions& options = task_.options.motion_check;
     const double middle = (t0 + t1) / 2, half = (t1 - t0) / 2;
     SceneTravel travel;
@@ -169,15 +179,15 @@ class Follower {
     Pose storage;
     const SweepResult result =
         task_.scene.sweep(kinematics(motion_on_segment(path_, i, middle).phi), base_at(i, middle),
-                          target_pose(middle, storage), travel, margin());
+                          target_pose(middle, storage), travel, margin(), among);
     if (result.verdict == SweepVerdict::Hit) return TimedHit{result.closest, middle};
     const bool is_small =
         std::max({travel.joints.norm(), travel.base_translation, travel.base_rotation,
                   travel.target_translation, travel.target_rotation}) <=
         options.finest / 2 * std::min(options.coarsest, task_.problem.approach.resolution);
     if (result.verdict == SweepVerdict::Clear || is_small) return std::nullopt;
-    if (auto hit = on_segment(i, t0, middle)) return hit;
-    return on_segment(i, middle, t1);
+    if (auto hit = on_segment(i, t0, middle, &result.unsure)) return hit;
+    return on_segment(i, middle, t1, &result.unsure);
   }
 
   const ApproachTask& task_;

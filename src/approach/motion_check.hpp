@@ -20,9 +20,18 @@ class StillScene {
   /// On the straight line between two postures, parts `begin` to `end` of it: proven clear, or
   /// checked at the resolution.
   bool is_motion_clear(const JointVectord& a, const JointVectord& b, double begin = 0,
-                       double end = 1) const;
+                       double end = 1) const {
+    return is_part_clear(a, b, begin, end, nullptr);
+  }
 
  private:
+  /// Pairs that a longer part of a line left unsure.
+  struct Unsure {
+    std::vector<std::size_t> alone, beside_target;  ///< of scene_, of target_scene_
+  };
+  /// @param before null: every pair
+  bool is_part_clear(const JointVectord& a, const JointVectord& b, double begin, double end,
+                     const Unsure* before) const;
   Pose base_at(const Kinematics<double>& kinematics) const;
 
   const CaptureProblem& problem_;

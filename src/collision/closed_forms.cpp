@@ -12,11 +12,11 @@ namespace stillbase {
 
 namespace {
 
-double point_segment_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
-  const Vector3d d = b - a;
+/// Square of the distance of p from the segment from a to a + d.
+double point_segment_square(const Vector3d& p, const Vector3d& a, const Vector3d& d) {
   const double length2 = d.squaredNorm();
   const double t = length2 > 0 ? std::clamp(d.dot(p - a) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - t * d).norm();
+  return (p - a - t * d).squaredNorm();
 }
 
 /// One function per kind of shape.
@@ -33,10 +33,10 @@ Cases(F...) -> Cases<F...>;
 // is an end; the smallest of the five cases is the distance, whatever the conditioning.
 double segment_distance(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0,
                         const Vector3d& b1) {
-  double distance =
-      std::min(std::min(point_segment_distance(a0, b0, b1), point_segment_distance(a1, b0, b1)),
-               std::min(point_segment_distance(b0, a0, a1), point_segment_distance(b1, a0, a1)));
   const Vector3d u = a1 - a0, v = b1 - b0, w = a0 - b0;
+  double square =
+      std::min(std::min(point_segment_square(a0, b0, v), point_segment_square(a1, b0, v)),
+               std::min(point_segment_square(b0, a0, u), point_segment_square(b1, a0, u)));
   const double uu = u.squaredNorm(), uv = u.dot(v), vv = v.squaredNorm();
   const double uw = u.dot(w), vw = v.dot(w);
   const double determinant = uu * vv - uv * uv;
@@ -44,10 +44,10 @@ double segment_distance(const Vector3d& a0, const Vector3d& a1, const Vector3d& 
     const double s = (uv * vw - vv * uw) / determinant;
     const double t = (uu * vw - uv * uw) / determinant;
     if (s > 0 && s < 1 && t > 0 && t < 1) {
-      distance = std::min(distance, (w + s * u - t * v).norm());
+      square = std::min(square, (w + s * u - t * v).squaredNorm());
     }
   }
-  return distance;
+  return std::sqrt(square);
 }
 
 double round_distance(const RoundSegment& a, const RoundSegment& b) {
@@ -149,7 +149,7 @@ std::optional<RoundSegment> round_segment(const Geometry& geometry) {
 double point_distance(const Geometry& geometry, const Vector3d& point) {
   const auto to_capsule = [&](double radius, double length) {
     const Vector3d half(0, 0, length / 2);
-    return std::max(point_segment_distance(point, -half, half) - radius, 0.0);
+    return std::max(std::sqrt(point_segment_square(point, -half, 2 * half)) - radius, 0.0);
   };
   return std::visit(
       Cases{[&](const Sphere& s) { return to_capsule(s.radius, 0); },

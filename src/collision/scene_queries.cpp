@@ -1,6 +1,7 @@
 // Asking a scene. Everything is expressed in B, so that self-collision does not see the base pose.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include <stillbase/core/constants.hpp>
@@ -22,23 +23,20 @@ constexpr std::size_t kItemsInPlace = 32;
 struct Placed {
   Matrix3d R;
   Vector3d p;
-  Vector3d round_a, round_b;  ///< ends of the segment of spheres and capsules
 };
 
 /// All shapes in B at one instant, and the hand's distance from where it will touch. Most pairs are
-/// far apart by their bounding spheres: shapes are placed where a pair asks for them.
+/// far apart by their bounding spheres and boxes: shapes are placed where a pair asks for them.
 class Instant {
  public:
   Instant(const CollisionScene::Data& data, const Kinematics<double>& kinematics, const Pose& base,
           const Pose* target)
       : data_(data), kinematics_(kinematics), T_BN_(base.inverse()) {
     R_BN_ = T_BN_.orientation.toRotationMatrix();
+    known_.resize(data.items.size());
     centres_.resize(data.items.size());
     placed_.resize(data.items.size());
-    is_placed_.resize(data.items.size());
-    for (std::size_t i = 0; i < data.items.size(); ++i) {
-      if (data.items[i].carrier != Carrier::Target) put_centre(i);
-    }
+    halves_.resize(data.items.size());
     if (target != nullptr) put_target(*target);
   }
 
@@ -52,7 +50,7 @@ class Instant {
     hand_to_contact = std::max((kinematics_.r_bh - contact).norm() - data_.contact_radius, 0.0);
     require_finite(std::isfinite(hand_to_contact));
     for (std::size_t i = 0; i < data_.items.size(); ++i) {
-      if (data_.items[i].carrier == Carrier::Target) put_centre(i);
+      if (data_.items[i].carrier == Carrier::Target) known_[i] = {};
     }
   }
 
@@ -65,29 +63,35 @@ class Instant {
   }
 
   /// By their bounding spheres a pair is further apart than `distance`.
-  bool is_beyond(const ScenePair& pair, double distance) const {
+  bool is_beyond(const ScenePair& pair, double distance) {
     const double reach =
         distance + data_.items[pair.a].bounds.radius + data_.items[pair.b].bounds.radius;
-    return reach < 0 || (centres_[pair.a] - centres_[pair.b]).squaredNorm() > reach * reach;
+    return reach < 0 || (centre(pair.a) - centre(pair.b)).squaredNorm() > reach * reach;
+  }
+
+  /// By the box of one and the bounding sphere of the other a pair is further apart.
+  bool is_beyond_boxes(const ScenePair& pair, double distance) {
+    return is_beyond_box(pair.a, pair.b, distance) || is_beyond_box(pair.b, pair.a, distance);
   }
 
   /// Distance of a pair, or another number above `enough` when it is above.
   double distance(const ScenePair& pair, double enough) {
-    return is_beyond(pair, enough) ? kInfinity : distance_of_near(pair, enough);
+    if (is_beyond(pair, enough) || is_beyond_boxes(pair, enough)) return kInfinity;
+    return distance_of_near(pair, enough);
   }
 
   /// Distance of a pair, or a lower bound of it that is above `enough`.
   double distance_of_near(const ScenePair& pair, double enough) {
     const SceneItem &a = data_.items[pair.a], &b = data_.items[pair.b];
-    const Placed &pa = placed(pair.a), &pb = placed(pair.b);
     if (a.round && b.round) return round_distance(round_of(pair.a), round_of(pair.b));
-    if (a.round && b.is_box) return round_box_distance(round_of(pair.a), {b.box.half, pb.R, pb.p});
-    if (a.is_box && b.round) return round_box_distance(round_of(pair.b), {a.box.half, pa.R, pa.p});
+    if (a.round && b.is_box) return round_box_distance(round_of(pair.a), box_of(pair.b));
+    if (a.is_box && b.round) return round_box_distance(round_of(pair.b), box_of(pair.a));
+    const Placed &pa = placed(pair.a), &pb = placed(pair.b);
     const double gap = box_gap({a.box.half, pa.R, pa.R * a.box.centre + pa.p},
                                {b.box.half, pb.R, pb.R * b.box.centre + pb.p});
     if (gap > enough + kFclError) return gap;
     if (a.is_box && b.is_box) {
-      const double widest = widest_gap({a.box.half, pa.R, pa.p}, {b.box.half, pb.R, pb.p});
+      const double widest = widest_gap(box_of(pair.a), box_of(pair.b));
       if (widest > enough + kFclError) return widest;
     }
     return fcl_distance(*a.fcl, pa.R, pa.p, *b.fcl, pb.R, pb.p);
@@ -108,13 +112,18 @@ class Instant {
     if (!is_finite) throw std::invalid_argument("collision query with a pose that is not finite");
   }
 
+  /// Of the bounding sphere.
+  const Vector3d& centre(std::size_t i) {
+    if (!known_[i].centre) put_centre(i);
+    return centres_[i];
+  }
   void put_centre(std::size_t i) {
-    is_placed_[i] = false;
+    known_[i].centre = true;
     const SceneItem& item = data_.items[i];
     with_carrier(item, [&](const Matrix3d& R, const Vector3d& p) {
       centres_[i] = R * item.bounds.centre + p;
     });
-    require_finite(centres_[i].allFinite());
+    require_finite(std::isfinite(centres_[i].sum()));
   }
 
   /// Calls take(R, p) with the pose of what carries the item, in B.
@@ -133,23 +142,44 @@ class Instant {
 
   const Placed& placed(std::size_t i) {
     Placed& out = placed_[i];
-    if (is_placed_[i]) return out;
-    is_placed_[i] = true;
+    if (known_[i].placed) return out;
+    known_[i].placed = true;
     const SceneItem& item = data_.items[i];
     with_carrier(item, [&](const Matrix3d& R, const Vector3d& p) {
       out.R.noalias() = R * item.R;
       out.p = R * item.pose.position + p;
     });
-    if (item.round) {
-      out.round_a = out.R * item.round->a + out.p;
-      out.round_b = out.R * item.round->b + out.p;
-    }
     return out;
   }
 
-  /// Of a sphere or capsule that is placed.
-  RoundSegment round_of(std::size_t i) const {
-    return {placed_[i].round_a, placed_[i].round_b, data_.items[i].round->radius};
+  /// Of a sphere or capsule: its segment lies along z, its middle at the bounding sphere's centre.
+  RoundSegment round_of(std::size_t i) {
+    const SceneItem& item = data_.items[i];
+    Vector3d& half = halves_[i];
+    if (!known_[i].half) {
+      known_[i].half = true;
+      with_carrier(item, [&](const Matrix3d& R, const Vector3d&) {
+        half = (R * item.R.col(2)) * item.round->b.z();
+      });
+    }
+    return {centre(i) - half, centre(i) + half, item.round->radius};
+  }
+
+  /// Of a box.
+  PlacedBox box_of(std::size_t i) {
+    const Placed& at = placed(i);
+    return {data_.items[i].box.half, at.R, at.p};
+  }
+
+  /// The bounding sphere of one shape is further than `distance` from another shape's box.
+  bool is_beyond_box(std::size_t sphere, std::size_t box, double distance) {
+    const SceneItem& item = data_.items[box];
+    if (item.round) return false;  // its sphere or capsule is as fast
+    const double reach = distance + data_.items[sphere].bounds.radius + kFclError;
+    const Placed& at = placed(box);
+    const Vector3d apart = at.R.transpose() * (centre(sphere) - at.p) - item.box.centre;
+    return reach >= 0 &&
+           (apart.cwiseAbs() - item.box.half).cwiseMax(0).squaredNorm() > reach * reach;
   }
 
   const CollisionScene::Data& data_;
@@ -158,9 +188,14 @@ class Instant {
   Pose T_BN_;
   Matrix3d R_BN_, R_BT_;
   Vector3d p_BT_;
+  /// What has been worked out of a shape.
+  struct Known {
+    bool centre = false, placed = false, half = false;
+  };
+  InPlaceArray<Known, kItemsInPlace> known_;
   InPlaceArray<Vector3d, kItemsInPlace> centres_;  ///< of the bounding spheres
   InPlaceArray<Placed, kItemsInPlace> placed_;
-  InPlaceArray<bool, kItemsInPlace> is_placed_;
+  InPlaceArray<Vector3d, kItemsInPlace> halves_;  ///< of the segments of spheres and capsules
 };
 
 Proximity proximity(const CollisionScene::Data& data, const ScenePair& pair, double distance) {
@@ -228,11 +263,14 @@ class PairMotion {
 
 /// See CollisionScene::sweep().
 SweepResult sweep_pairs(const CollisionScene::Data& data, Instant& instant,
-                        const PairMotion& motions, const SceneTravel& travel, double margin) {
+                        const PairMotion& motions, const SceneTravel& travel, double margin,
+                        const std::vector<std::size_t>* among) {
   const double least = std::max(margin, 0.0);  // bodies that overlap are a hit in any case
   SweepResult result;
   double smallest_reserve = 0;
-  for (std::size_t i = 0; i < data.pairs.size(); ++i) {
+  const std::size_t count = among == nullptr ? data.pairs.size() : among->size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = among == nullptr ? k : (*among)[k];
     const ScenePair& pair = data.pairs[i];
     if (!instant.is_present(pair)) continue;
     const bool may_touch = instant.may_touch(pair);
@@ -248,7 +286,10 @@ SweepResult sweep_pairs(const CollisionScene::Data& data, Instant& instant,
       if (reserve >= 0) continue;
     }
     if (reserve == kInfinity) {
-      if (instant.is_beyond(pair, least + motion)) continue;
+      if (instant.is_beyond(pair, least + motion) ||
+          instant.is_beyond_boxes(pair, least + motion)) {
+        continue;
+      }
       // A bound will do: what it leaves unsure is looked at again, with less motion.
       distance = instant.distance_of_near(pair, least);
       if (distance <= 0 || distance < margin) {
@@ -256,9 +297,12 @@ SweepResult sweep_pairs(const CollisionScene::Data& data, Instant& instant,
       }
       reserve = distance - margin - motion;
     }
+    if (reserve >= 0) continue;
+    result.verdict = SweepVerdict::Unsure;
+    result.unsure.push_back(i);
     if (reserve < smallest_reserve) {
       smallest_reserve = reserve;
-      result = {SweepVerdict::Unsure, proximity(data, pair, distance)};
+      result.closest = proximity(data, pair, distance);
     }
   }
   return result;
@@ -318,23 +362,30 @@ std::optional<NearestPoints> CollisionScene::nearest_points(const Kinematics<dou
 }
 
 SweepResult CollisionScene::sweep(const Kinematics<double>& kinematics, const Pose& base,
-                                  const Pose* target, const SceneTravel& travel,
-                                  double margin) const {
+                                  const Pose* target, const SceneTravel& travel, double margin,
+                                  const std::vector<std::size_t>* among) const {
   Instant instant(*data_, kinematics, base, target);
-  return sweep_pairs(*data_, instant, PairMotion(*data_, travel), travel, margin);
+  return sweep_pairs(*data_, instant, PairMotion(*data_, travel), travel, margin, among);
 }
 
-SweepVerdict CollisionScene::sweep_each(const Kinematics<double>& kinematics, const Pose& base,
-                                        const std::vector<Pose>& targets, const SceneTravel& travel,
-                                        double margin) const {
+SweepResult CollisionScene::sweep_each(const Kinematics<double>& kinematics, const Pose& base,
+                                       const std::vector<Pose>& targets, const SceneTravel& travel,
+                                       double margin, const std::vector<std::size_t>* among) const {
   Instant instant(*data_, kinematics, base, nullptr);
   const PairMotion motions(*data_, travel);
-  SweepVerdict out = SweepVerdict::Clear;
+  SweepResult out;
   for (const Pose& target : targets) {
     instant.put_target(target);
-    const SweepVerdict verdict = sweep_pairs(*data_, instant, motions, travel, margin).verdict;
-    if (verdict == SweepVerdict::Hit) return verdict;
-    if (verdict == SweepVerdict::Unsure) out = verdict;
+    SweepResult here = sweep_pairs(*data_, instant, motions, travel, margin, among);
+    if (here.verdict == SweepVerdict::Hit) return here;
+    if (here.verdict == SweepVerdict::Clear) continue;
+    if (out.verdict == SweepVerdict::Unsure) {
+      std::vector<std::size_t> both;
+      std::set_union(out.unsure.begin(), out.unsure.end(), here.unsure.begin(), here.unsure.end(),
+                     std::back_inserter(both));
+      here.unsure = std::move(both);
+    }
+    out = std::move(here);
   }
   return out;
 }

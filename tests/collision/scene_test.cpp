@@ -1,6 +1,8 @@
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cmath>
+#include <set>
 #include <thread>
 
 #include <stillbase/collision/contact_survey.hpp>
@@ -213,6 +215,44 @@ TEST_CASE("what a sweep calls clear stays clear everywhere in the interval") {
   CHECK(hits > 20);
 }
 
+TEST_CASE("in a part of an interval only the pairs that were unsure need another look") {
+  const RobotModel robot = planar_robot(3);
+  SceneParts parts;
+  parts.target = cube_target();
+  parts.feature = parts.target->features.front();  // which the hand never is at
+  const CollisionScene scene(robot, parts);
+  Random random(12);
+  const double margin = 0.01;
+  std::array<int, 3> verdicts{};
+  for (int i = 0; i < 3000; ++i) {
+    const JointVectord phi =
+        posture({random.uniform(-90, 90), random.uniform(-90, 90), random.uniform(-90, 90)});
+    JointVectord half(3);  // how far the joints move to either end
+    for (double& joint : half) joint = random.uniform(-0.3, 0.3);
+    const Pose target{Vector3d(random.uniform(4, 8), random.uniform(-4, 4), 0),
+                      rotation_exp(random.uniform() * random.unit_vector())};
+    SceneTravel travel;
+    travel.joints = half.cwiseAbs();
+    const SweepResult whole =
+        scene.sweep(compute_kinematics<double>(robot, phi), Pose{}, &target, travel, margin);
+    CHECK(whole.unsure.empty() == (whole.verdict != SweepVerdict::Unsure));
+    if (whole.verdict != SweepVerdict::Unsure) continue;
+    travel.joints /= 2;
+    const auto of_part = compute_kinematics<double>(robot, JointVectord(phi + half / 2));
+    const SweepResult all = scene.sweep(of_part, Pose{}, &target, travel, margin);
+    const SweepResult among = scene.sweep(of_part, Pose{}, &target, travel, margin, &whole.unsure);
+    CHECK(among.verdict == all.verdict);
+    CHECK(among.unsure == all.unsure);
+    CHECK(scene.sweep_each(of_part, Pose{}, {target}, travel, margin, &whole.unsure).verdict ==
+          all.verdict);
+    const std::vector<std::size_t> none;
+    CHECK(scene.sweep(of_part, Pose{}, &target, travel, margin, &none).verdict ==
+          SweepVerdict::Clear);
+    ++verdicts[static_cast<std::size_t>(all.verdict)];
+  }
+  for (const int count : verdicts) CHECK(count > 10);
+}
+
 TEST_CASE("a sweep beside several poses of the target says what the worst of them says") {
   const RobotModel robot = planar_robot(3);
   SceneParts parts;
@@ -227,17 +267,66 @@ TEST_CASE("a sweep beside several poses of the target says what the worst of the
     SceneTravel travel;
     travel.joints = JointVectord::Constant(3, random.uniform(0, 0.1));
     std::vector<Pose> targets;
+    std::set<std::size_t> unsure;
     SweepVerdict worst = SweepVerdict::Clear;
     for (int k = 0; k < 4; ++k) {
       targets.push_back({Vector3d(random.uniform(4, 8), random.uniform(-4, 4), 0),
                          rotation_exp(random.uniform() * random.unit_vector())});
-      worst =
-          std::max(worst, scene.sweep(kinematics, Pose{}, &targets.back(), travel, 0.01).verdict);
+      const SweepResult one = scene.sweep(kinematics, Pose{}, &targets.back(), travel, 0.01);
+      worst = std::max(worst, one.verdict);
+      unsure.insert(one.unsure.begin(), one.unsure.end());
     }
-    CHECK(scene.sweep_each(kinematics, Pose{}, targets, travel, 0.01) == worst);
+    const SweepResult each = scene.sweep_each(kinematics, Pose{}, targets, travel, 0.01);
+    CHECK(each.verdict == worst);
+    if (worst == SweepVerdict::Unsure) {
+      CHECK(std::set<std::size_t>(each.unsure.begin(), each.unsure.end()) == unsure);
+    }
     ++verdicts[static_cast<std::size_t>(worst)];
   }
   for (const int count : verdicts) CHECK(count > 20);
+}
+
+TEST_CASE("a pair of any two shapes is hit from its distance on") {
+  // A box as a mesh whose frame is at a corner.
+  ConvexMesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    mesh.vertices.push_back(
+        Vector3d((i & 1) != 0 ? 0.6 : 0, (i & 2) != 0 ? 0.4 : 0, (i & 4) != 0 ? 1.0 : 0));
+  }
+  mesh.faces = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  const std::vector<Geometry> shapes = {Sphere{0.3}, Capsule{0.1, 0.8}, Cylinder{0.2, 0.9},
+                                        Box{Vector3d(0.3, 0.5, 1.2)}, mesh};
+  Random random(11);
+  const auto random_pose = [&random](double spread) {
+    return Pose{spread * random.uniform() * random.unit_vector(),
+                rotation_exp(3.0 * random.uniform() * random.unit_vector())};
+  };
+  int apart = 0;
+  for (const Geometry& of_robot : shapes) {
+    for (const Geometry& of_target : shapes) {
+      for (int i = 0; i < 40; ++i) {
+        RobotModel robot = planar_robot(1);
+        robot.shapes = {{0, "link1", random_pose(0.5), of_robot}};
+        SceneParts parts;
+        parts.target = cube_target();
+        parts.target->shapes = {{random_pose(0.5), of_target}};
+        parts.feature = parts.target->features.front();
+        const CollisionScene scene(robot, parts);
+        REQUIRE(scene.pair_count() == 1);
+        const auto kinematics = compute_kinematics<double>(robot, posture({20}));
+        const Pose target{kinematics.o[0] + 1.5 * random.uniform() * random.unit_vector(),
+                          rotation_exp(3.0 * random.uniform() * random.unit_vector())};
+        const auto nearest = scene.nearest(kinematics, Pose{}, &target);
+        REQUIRE(nearest);
+        if (nearest->distance < 1e-3) continue;
+        ++apart;
+        CHECK_FALSE(
+            scene.first_hit(kinematics, Pose{}, &target, nearest->distance - kDistanceTolerance));
+        CHECK(scene.first_hit(kinematics, Pose{}, &target, nearest->distance + kDistanceTolerance));
+      }
+    }
+  }
+  CHECK(apart > 200);
 }
 
 TEST_CASE("the nearest pair below a distance is the nearest one or none") {

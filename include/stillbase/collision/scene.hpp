@@ -74,6 +74,9 @@ struct SweepResult {
   SweepVerdict verdict = SweepVerdict::Clear;
   /// The pair that decides, unless Clear. Its distance may be a lower bound unless it is a Hit.
   Proximity closest;
+  /// When Unsure: the pairs that are not proven clear, counted as in shape_pairs(), ascending. If
+  /// the bounds on the motion hold, no other pair breaks the margin in a part of the interval.
+  std::vector<std::size_t> unsure = {};
 };
 
 struct SceneOptions {
@@ -145,13 +148,16 @@ class CollisionScene {
                                               bool with_hand_and_target = true) const;
 
   /// Distances at one instant and bounds on the motion of each pair give a verdict for an interval.
+  /// @param among the pairs to look at: what the sweep of a longer interval left unsure; null: all
   SweepResult sweep(const Kinematics<double>& kinematics, const Pose& base, const Pose* target,
-                    const SceneTravel& travel, double margin) const;
+                    const SceneTravel& travel, double margin,
+                    const std::vector<std::size_t>* among = nullptr) const;
 
-  /// The verdict of sweep() with the target at one pose after the other: what is worst of all.
-  SweepVerdict sweep_each(const Kinematics<double>& kinematics, const Pose& base,
-                          const std::vector<Pose>& targets, const SceneTravel& travel,
-                          double margin) const;
+  /// sweep() with the target at one pose after the other: the worst verdict, the pairs that are
+  /// unsure beside any of them.
+  SweepResult sweep_each(const Kinematics<double>& kinematics, const Pose& base,
+                         const std::vector<Pose>& targets, const SceneTravel& travel, double margin,
+                         const std::vector<std::size_t>* among = nullptr) const;
 
   /// The same scene reduced to the pairs that the target is part of.
   CollisionScene target_pairs_only() const;
