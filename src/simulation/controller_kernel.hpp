@@ -85,50 +85,116 @@ MomentumTransfer<S> compute_momentum_transfer(const Controller& controller, cons
   return out;
 }
 
-/// U diag(inverse) U' of the momentum transfer: A' times it is A^d. Where no direction is given up
-/// it is (A A')^-1, and the singular values do not matter: no eigenvalue of A A' is below
-/// det / trace adj, as the products of any two of them are parts of that trace. The determinant is
-/// known to the rounding of trace^3, so this is for matrices well away from singular ones.
+/// A symmetric matrix M and the coefficients of its characteristic polynomial.
+template <class S>
+struct Symmetric3 {
+  Matrix3<S> M, adjugate;
+  S size, minors, det;  ///< traces of both, determinant
+
+  explicit Symmetric3(const Matrix3<S>& entries) : M(entries) {
+    const auto trace = [](const Matrix3<S>& of) { return S(of(0, 0) + of(1, 1) + of(2, 2)); };
+    adjugate.col(0) = Vector3<S>(M.col(1)).cross(Vector3<S>(M.col(2)));
+    adjugate.col(1) = Vector3<S>(M.col(2)).cross(Vector3<S>(M.col(0)));
+    adjugate.col(2) = Vector3<S>(M.col(0)).cross(Vector3<S>(M.col(1)));
+    size = trace(M);
+    minors = trace(adjugate);
+    det = M.col(0).dot(adjugate.col(0));
+  }
+};
+
+/// The least eigenvalue l of a semidefinite matrix whose others are a and b, by Halley's method,
+/// which from 0 on comes to l from below.
+template <class S>
+struct LeastEigenvalue {
+  S l = S(0);
+  S sum, product;  ///< of a and b
+  S apart;         ///< (a - l) (b - l)
+  S certainty;     ///< at least 0 where l is so well apart that its direction is known to 1e-11
+
+  explicit LeastEigenvalue(const Symmetric3<S>& of) {
+    using std::abs;
+    using std::min;
+    constexpr int kSteps = 3;
+    // What the last step leaves of the direction is (step size / apart)^3; the rounding of the
+    // determinant moves it by (size^2 / apart)^2 times that of a number.
+    constexpr double kLastStep = 1e-4, kLeastApart = 1e-2;
+    S step(0);
+    apart = of.minors;
+    for (int i = 0; i < kSteps; ++i) {
+      const S value = of.det - ((l - of.size) * l + of.minors) * l;
+      step = value * apart / (apart * apart - value * (of.size - S(3) * l));
+      l += step;
+      apart = (S(3) * l - S(2) * of.size) * l + of.minors;
+    }
+    sum = of.size - l;
+    product = of.minors - l * sum;
+    // In this order NaN, of a matrix of rank 1 or 0, stays what it is.
+    certainty = min(S(apart - S(kLeastApart) * of.size * of.size),
+                    S(S(kLastStep) * apart - abs(step) * of.size));
+  }
+};
+
+/// U diag(inverse) U' of the momentum transfer: A' times it is A^d. Most often it takes no singular
+/// values: no direction is given up, and it is (A A')^-1, or only the one of the least of them.
 template <class S>
 Matrix3<S> damped_inverse_square(const Controller& controller, const Matrix3X<S>& A,
                                  const Vector3<S>& L_g) {
   using std::max;
   using std::min;
-  constexpr double kLeastDeterminant = 1e-6;  // of trace^3: the inverse is then known to 1e-11
-  const Matrix3<S> square = square_of<S>(A);
-  Matrix3<S> adjugate;
-  adjugate.col(0) = Vector3<S>(square.col(1)).cross(Vector3<S>(square.col(2)));
-  adjugate.col(1) = Vector3<S>(square.col(2)).cross(Vector3<S>(square.col(0)));
-  adjugate.col(2) = Vector3<S>(square.col(0)).cross(Vector3<S>(square.col(1)));
-  const S det = square.col(0).dot(adjugate.col(0));
-  const auto trace = [](const Matrix3<S>& M) { return S(M(0, 0) + M(1, 1) + M(2, 2)); };
-  const S size = trace(square);
+  const Symmetric3<S> square(square_of<S>(A));
+  const S size = square.size;
   // As momentum_edge() and compute_momentum_transfer(), in squares, which take no roots.
+  const S rank_edge(controller.rank_edge), rate_edge(controller.joint_rate_edge);
+  const S of_largest = rank_edge * rank_edge;
+  const S of_momentum = L_g.dot(L_g) / (rate_edge * rate_edge);
   const auto edge_of = [&](const S& largest) {
-    const S rank_edge(controller.rank_edge), rate_edge(controller.joint_rate_edge);
-    return S(max(S(rank_edge * rank_edge * largest), S(L_g.dot(L_g) / (rate_edge * rate_edge))));
+    return S(max(S(of_largest * largest), of_momentum));
   };
-  const S above_edge = det - edge_of(size) * trace(adjugate);
-  const S above_rounding = det - S(kLeastDeterminant) * size * size * size;
-  // Where A = 0 there is no inverse.
+
+  // None is given up. No eigenvalue is below det / minors, as the products of any two of them are
+  // parts of minors. The determinant is known to the rounding of size^3. Where A = 0 there is no
+  // inverse.
+  constexpr double kLeastDeterminant = 1e-6;  // of size^3: the inverse is then known to 1e-11
   constexpr double kLeast = std::numeric_limits<double>::min();
-  const auto is_whole = at_least(min(above_edge, above_rounding), S(kLeast));
-  Matrix3<S> out = adjugate * (S(1) / det);
+  const S above_edge = square.det - edge_of(size) * square.minors;
+  const S above_rounding = square.det - S(kLeastDeterminant) * size * size * size;
+  const S all_above = min(above_edge, above_rounding) - S(kLeast);
+  const auto is_whole = at_least(all_above, S(0));
+  Matrix3<S> out = square.adjugate * (S(1) / square.det);
   if (all_hold(is_whole)) return out;
+  const auto replace_unless = [&out](const auto& stays, const Matrix3<S>& other) {
+    for (Eigen::Index i = 0; i < 9; ++i) {
+      out.data()[i] = where(stays, S(out.data()[i]), S(other.data()[i]));
+    }
+  };
+
+  // Only l is given up, and the momentum decides where the edge is. N / (a b) with
+  // N = (a + b) E - A A' has the inverses of a and b; (adjugate - l N) / apart = u u', with the
+  // direction u of l, makes its (a + b - l) / (a b) that of the edge.
+  const LeastEigenvalue<S> least(square);
+  const S others_above = least.product - of_momentum * least.sum;
+  const S edge_known = of_momentum - of_largest * size;
+  const S one_below = min(min(least.certainty, others_above), edge_known);
+  Matrix3<S> N = -square.M;
+  for (Eigen::Index i = 0; i < 3; ++i) N(i, i) += least.sum;
+  const S inverse = S(1) / least.product;
+  const S added = S(1) / max(least.l, of_momentum) - (least.sum - least.l) * inverse;
+  replace_unless(is_whole, N * inverse + (square.adjugate - N * least.l) * S(added / least.apart));
+  const auto is_quick = at_least(max(all_above, one_below), S(0));
+  if (all_hold(is_quick)) return out;
+
   Vector3<S> values;
   Matrix3<S> U;
-  descending_eigen3<S>(square, values, U);
+  descending_eigen3<S>(square.M, values, U);
   const S edge = edge_of(values[0]);
   const auto is_zero = at_least(S(0), values[0]);
   Matrix3<S> damped = Matrix3<S>::Zero();
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Vector3<S> direction = U.col(i);
-    const S inverse = where(is_zero, S(0), S(1) / max(values[i], edge));
-    damped += direction * Vector3<S>(direction * inverse).transpose();
+    const S of_direction = where(is_zero, S(0), S(1) / max(values[i], edge));
+    damped += direction * Vector3<S>(direction * of_direction).transpose();
   }
-  for (Eigen::Index i = 0; i < 9; ++i) {
-    out.data()[i] = where(is_whole, S(out.data()[i]), S(damped.data()[i]));
-  }
+  replace_unless(is_quick, damped);
   return out;
 }
 

@@ -212,21 +212,59 @@ TEST_CASE("joint rates for the base grow no further than the edge allows", "[sim
   }
 }
 
+/// Three random orthonormal columns.
+Eigen::MatrixXd orthonormal(Random& random, int rows) {
+  Eigen::MatrixXd out(rows, 3);
+  for (double& entry : out.reshaped()) entry = random.normal();
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(out).householderQ() *
+         Eigen::MatrixXd::Identity(rows, 3);
+}
+
+TEST_CASE("the least eigenvalue and its direction are known where the others are apart from it",
+          "[simulation]") {
+  Random random(9, 45);
+  int apart = 0, close = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const double size = std::pow(10, random.uniform(-6, 6));
+    const double b = std::pow(10, random.uniform(-3, 0));
+    const double l = trial % 5 == 0 ? 0 : b * std::pow(10, random.uniform(-6, 0));
+    const Matrix3d U = orthonormal(random, 3);
+    const Matrix3d half = size * U * Vector3d(1, b, l).asDiagonal() * U.transpose();
+    const Symmetric3<double> square(0.5 * (half + half.transpose()));
+    const LeastEigenvalue<double> least(square);
+    INFO("trial " << trial << ": 1, " << b << ", " << l << " times " << size);
+    if (b > 0.1 && l < 0.1 * b) {
+      CHECK(least.certainty >= 0);
+      ++apart;
+    }
+    if (b < 0.01 || l > 0.95 * b) {
+      CHECK(least.certainty < 0);
+      ++close;
+    }
+    if (!(least.certainty >= 0)) continue;
+    CHECK(std::abs(least.l - size * l) < 1e-12 * size);
+    CHECK(least.sum == Approx(size * (1 + b)).epsilon(1e-12));
+    CHECK(least.product == Approx(size * size * b).epsilon(1e-11));
+    const Matrix3d N = least.sum * Matrix3d::Identity() - square.M;
+    const Matrix3d direction = (square.adjugate - least.l * N) / least.apart;
+    CHECK((direction - U.col(2) * U.col(2).transpose()).norm() < 1e-11);
+  }
+  CHECK(apart > 500);
+  CHECK(close > 500);
+  for (const Matrix3d& M : {Matrix3d(Matrix3d::Zero()), Matrix3d(Vector3d(2, 0, 0).asDiagonal())}) {
+    CHECK(!(LeastEigenvalue<double>(Symmetric3<double>(M)).certainty >= 0));
+  }
+}
+
 TEST_CASE("the damped inverse is that of the singular directions", "[simulation]") {
   Random random(9, 44);
-  const auto orthonormal = [&random](int rows) -> Eigen::MatrixXd {
-    Eigen::MatrixXd out(rows, 3);
-    for (double& entry : out.reshaped()) entry = random.normal();
-    return Eigen::HouseholderQR<Eigen::MatrixXd>(out).householderQ() *
-           Eigen::MatrixXd::Identity(rows, 3);
-  };
   int whole = 0, damped = 0;
   for (int trial = 0; trial < 6000; ++trial) {
     // Singular values of all sizes, the least ones zero in a third of the trials.
     const double second = trial % 11 == 0 ? 0 : std::pow(10, random.uniform(-6, 0));
     const double third = trial % 3 == 0 ? 0 : second * std::pow(10, random.uniform(-4, 0));
     const double scale = std::pow(10, random.uniform(-3, 3));
-    const Eigen::MatrixXd U = orthonormal(3), W = orthonormal(3 + trial % 5);
+    const Eigen::MatrixXd U = orthonormal(random, 3), W = orthonormal(random, 3 + trial % 5);
     const Vector3d sigma = scale * Vector3d(1, second, third);
     const Matrix3Xd A = U * sigma.asDiagonal() * W.transpose();
     Controller c;
