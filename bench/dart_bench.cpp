@@ -30,7 +30,7 @@ class Dart {
       const Joint& joint = robot().joints[k];
       BodyNode* parent = joint.parent == kBase ? base : bodies[joint.parent];
       Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-      pose.linear() = joint.R;
+      pose.linear() = joint.R.matrix();
       pose.translation() = joint.p;
       const auto place = [&](auto made) {
         made.first->setAxis(Eigen::Vector3d::UnitZ());

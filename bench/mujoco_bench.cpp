@@ -35,7 +35,7 @@ std::string bodies_below(int parent) {
   for (int k = 0; k < robot().n(); ++k) {
     const Joint& joint = robot().joints[k];
     if (joint.parent != parent) continue;
-    const Eigen::Quaterniond q(joint.R);
+    const Eigen::Quaterniond q(joint.R.matrix());
     out += "<body pos=\"" + numbers({joint.p.x(), joint.p.y(), joint.p.z()}) + "\" quat=\"" +
            numbers({q.w(), q.x(), q.y(), q.z()}) + "\"><joint type=\"" +
            (joint.is_prismatic() ? "slide" : "hinge") + "\" axis=\"0 0 1\"/>" +

@@ -158,7 +158,7 @@ Json robot_scene(const RobotModel& robot) {
   for (int k = 0; k < robot.num_bodies(); ++k) {
     const Joint& joint = robot.tree()[static_cast<std::size_t>(k)];
     Json moved{{"parent", joint.parent},
-               {"pose", pose_json({joint.p, Eigen::Quaterniond(joint.R)})},
+               {"pose", pose_json({joint.p, Eigen::Quaterniond(joint.R.matrix())})},
                {"slides", joint.is_prismatic()},
                {"joint", robot.coordinate(k)}};
     if (robot.is_coupled()) {

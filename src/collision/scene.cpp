@@ -73,7 +73,7 @@ bool overlap_always(const Joint& joint, const CollisionShape& child, const Colli
     } else {
       moved.orientation = rotation_exp(Vector3d(0, 0, phi));
     }
-    const Pose in_parent = Pose{joint.p, Eigen::Quaterniond(joint.R)} * moved * child.pose;
+    const Pose in_parent = Pose{joint.p, Eigen::Quaterniond(joint.R.matrix())} * moved * child.pose;
     if (fcl_distance(*child_fcl, in_parent.orientation.toRotationMatrix(), in_parent.position,
                      *parent_fcl, parent.pose.orientation.toRotationMatrix(),
                      parent.pose.position) > 0) {

@@ -91,10 +91,10 @@ Kinematics<S> kinematics(const Robot& robot, const JointVector<S>& phi) {
     const Joint& joint = tree[k];
     Matrix3<S> A;
     if (joint.parent == kBase) {
-      A = joint.R.template cast<S>();
+      A = joint.R.matrix().template cast<S>();
       o[k] = joint.p.template cast<S>();
     } else {
-      A.noalias() = R[joint.parent] * joint.R.template cast<S>();
+      A.noalias() = R[joint.parent] * joint.R.matrix().template cast<S>();
       o[k] = o[joint.parent];
       o[k].noalias() += R[joint.parent] * joint.p.template cast<S>();
     }

@@ -15,6 +15,10 @@ constexpr int kWideRoom = (kWideBodies + 3) / 4 * 4;
 /// In plain vectors: of a class around them the compiler keeps copies in memory.
 typedef Pack<4>::Lanes V;
 
+const double* numbers(const Matrix3d& M) { return reinterpret_cast<const double*>(&M); }
+const double* numbers(const Vector3d& v) { return reinterpret_cast<const double*>(&v); }
+const double* numbers(const V& v) { return reinterpret_cast<const double*>(&v); }
+
 /// Lanes of a by their numbers; 4 to 7: those of b.
 template <int i, int j, int k, int l>
 [[gnu::always_inline]] inline V lanes(const V& a, const V& b) {
@@ -91,6 +95,11 @@ struct Wide3x3 {
 [[gnu::always_inline]] inline V times(const Wide3x3& M, const V& x) {
   return M.c0 * all_of<0>(x) + (M.c1 * all_of<1>(x) + M.c2 * all_of<2>(x));
 }
+/// M N.
+[[gnu::always_inline]] inline Wide3x3 times(const Wide3x3& M, const Wide3x3& N) {
+  const double* const entries = numbers(N.c0);
+  return {times(M, entries), times(M, entries + 4), times(M, entries + 8)};
+}
 /// The rows of four columns.
 [[gnu::always_inline]] inline void transpose(V* c) {
   const V low01 = lanes<0, 4, 2, 6>(c[0], c[1]), high01 = lanes<1, 5, 3, 7>(c[0], c[1]);
@@ -100,10 +109,6 @@ struct Wide3x3 {
   c[2] = lanes<2, 3, 6, 7>(low01, low23);
   c[3] = lanes<2, 3, 6, 7>(high01, high23);
 }
-
-const double* numbers(const Matrix3d& M) { return reinterpret_cast<const double*>(&M); }
-const double* numbers(const Vector3d& v) { return reinterpret_cast<const double*>(&v); }
-const double* numbers(const V& v) { return reinterpret_cast<const double*>(&v); }
 
 }  // namespace
 

@@ -58,7 +58,7 @@ urdf::TreeJoint tree_joint(const RobotModel& robot, int k) {
   urdf::TreeJoint out;
   out.joint = robot.tree()[static_cast<std::size_t>(k)];
   const Pose& T_body_link = frame_of_mass(robot, k);
-  const Pose T_parent_joint{out.joint.p, Eigen::Quaterniond(out.joint.R)};
+  const Pose T_parent_joint{out.joint.p, Eigen::Quaterniond(out.joint.R.matrix())};
   out.origin = frame_of_mass(robot, out.joint.parent).inverse() * T_parent_joint * T_body_link;
   out.axis = T_body_link.orientation.conjugate() * Vector3d::UnitZ();
   out.parent_name = body_of(robot, out.joint.parent).name;

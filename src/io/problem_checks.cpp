@@ -333,9 +333,10 @@ std::string out_of_plane(const CaptureProblem& problem, const Vector3d& normal) 
   // The axis of a joint stays parallel to the normal whatever the joints before it do.
   std::vector<Matrix3d> axes;
   for (const Joint& joint : problem.robot.tree()) {
-    const Matrix3d R = joint.parent == kBase
-                           ? joint.R
-                           : Matrix3d(axes[static_cast<std::size_t>(joint.parent)] * joint.R);
+    const Matrix3d R =
+        joint.parent == kBase
+            ? joint.R.matrix()
+            : Matrix3d(axes[static_cast<std::size_t>(joint.parent)] * joint.R.matrix());
     axes.push_back(R);
     const Vector3d z = R.col(2);
     const bool stays =
@@ -422,7 +423,7 @@ void look_at_cone(MapReader& map, const CaptureProblem& problem) {
   const auto turning = std::find_if(joints.begin(), joints.end(),
                                     [](const Joint& joint) { return !joint.is_prismatic(); });
   if (!is_cone || turning == joints.end() || turning->parent != kBase) return;
-  const Vector3d normal = turning->R.col(2);
+  const Vector3d normal = turning->R.matrix().col(2);
   if (!out_of_plane(problem, normal).empty()) return;
   map.context().remarks.push_back(
       {map.context().source, map.line_of("uncertainty"), "planar",

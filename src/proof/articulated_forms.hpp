@@ -224,7 +224,7 @@ struct ArticulatedForms {
       cosine[k] = slides ? S(1.0) : cos(phi[k]);
       sine[k] = slides ? S(0.0) : sin(phi[k]);
       p[k] = joint.p.template cast<S>();
-      if (slides) p[k] += joint.R.col(2).template cast<S>() * phi[k];
+      if (slides) p[k] += joint.R.matrix().col(2).template cast<S>() * phi[k];
       if (!locked.empty()) moves[k] = !locked[k];
       if (moves[k]) {
         const int i = index(k);
@@ -295,7 +295,7 @@ struct ArticulatedForms {
       const S twice = phi + phi;
       inertia.rotate_about_z(cosine[k], sine[k], cos(twice), sin(twice));
     }
-    inertia.rotate(robot.joints[k].R);
+    inertia.rotate(robot.joints[k].R.matrix());
     inertia.shift(p[k]);
   }
 
@@ -303,11 +303,11 @@ struct ArticulatedForms {
   Vector3<S> outwards(int k, const Vector3<S>& x) const {
     const S &c = cosine[k], &s = sine[k];
     const Vector3<S> rotated_about_z(x[0] * c - x[1] * s, x[0] * s + x[1] * c, x[2]);
-    return rotated(robot.joints[k].R, rotated_about_z);
+    return rotated(robot.joints[k].R.matrix(), rotated_about_z);
   }
   Vector3<S> inwards(int k, const Vector3<S>& x) const {
     const S &c = cosine[k], &s = sine[k];
-    const Vector3<S> rotated_about_z = rotated(robot.joints[k].R.transpose(), x);
+    const Vector3<S> rotated_about_z = rotated(robot.joints[k].R.matrix().transpose(), x);
     return Vector3<S>(rotated_about_z[0] * c + rotated_about_z[1] * s,
                       rotated_about_z[1] * c - rotated_about_z[0] * s, rotated_about_z[2]);
   }

@@ -73,7 +73,7 @@ std::vector<MovingFrame> body_frames(const RobotModel& robot, const VectorXd& jo
   for (int k = 0; k < robot.num_bodies(); ++k) {
     const Joint& joint = robot.tree()[k];
     const MovingFrame parent = joint.parent == kBase ? MovingFrame{} : frames[joint.parent];
-    const Matrix3d R0 = parent.R * joint.R;
+    const Matrix3d R0 = parent.R * joint.R.matrix();
     const Vector3d z = R0.col(2);
     MovingFrame frame;
     if (joint.is_prismatic()) {

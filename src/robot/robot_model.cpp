@@ -6,6 +6,21 @@
 
 namespace stillbase {
 
+void ConstantAxes::find_rows() {
+  rows_ = {-1, -1, -1};
+  std::array<signed char, 3> rows{};
+  for (std::size_t j = 0; j < 3; ++j) {
+    int entries = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (R_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) == 0) continue;
+      rows[j] = static_cast<signed char>(i);
+      ++entries;
+    }
+    if (entries != 1) return;
+  }
+  rows_ = rows;
+}
+
 double RobotModel::total_mass() const {
   double mass = base.mass;
   for (const Body& body : bodies) mass += body.mass;

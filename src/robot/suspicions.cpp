@@ -213,8 +213,9 @@ void look_at_axes(const RobotModel& robot, std::vector<std::string>& remarks) {
   int turning = 0;
   for (std::size_t k = 0; k < robot.tree().size(); ++k) {
     const Joint& joint = robot.tree()[k];
-    R[k] = joint.parent == kBase ? joint.R
-                                 : Matrix3d(R[static_cast<std::size_t>(joint.parent)] * joint.R);
+    R[k] = joint.parent == kBase
+               ? joint.R.matrix()
+               : Matrix3d(R[static_cast<std::size_t>(joint.parent)] * joint.R.matrix());
     if (joint.is_prismatic()) continue;
     const Vector3d z = R[k].col(2);
     if (++turning == 1) axis = z;

@@ -21,6 +21,14 @@ namespace {
 
 using namespace urdf;
 
+// Angles such as 1.5707963267948966 mean axes that are those of the parent in another order; sines,
+// cosines and quaternions leave some 1e-16 beside them, less than such an angle can state.
+Matrix3d without_rounding(const Matrix3d& R) {
+  constexpr double kRounding = 1e-15;
+  const Matrix3d rounded = R.array().round() + 0.0;  // not -0
+  return (R - rounded).cwiseAbs().maxCoeff() < kRounding ? rounded : R;
+}
+
 // Axes with z along the unit vector a: the shortest rotation from z. For a below the xy plane it
 // is taken from -z, after half a turn about x, so that nothing is divided by nearly zero.
 Matrix3d axes_with_z_along(const Vector3d& a) {
@@ -109,7 +117,7 @@ class Builder {
     sources_.push_back(&source);
     Joint& joint = robot_.joints.back();
     joint.parent = parent;
-    joint.R = T_parent_joint.orientation.toRotationMatrix() * R_align;
+    joint.R = without_rounding(T_parent_joint.orientation.toRotationMatrix() * R_align);
     joint.p = T_parent_joint.position;
     robot_.bodies.emplace_back();
     robot_.bodies.back().name = source.child_name;

@@ -28,7 +28,7 @@ const LaneKernel& widest_kernel() {
 /// Whether one model can stand for the joints of both.
 bool same_joints(const RobotModel& a, const RobotModel& b) {
   const auto same = [](const Joint& x, const Joint& y) {
-    return x.type == y.type && x.parent == y.parent && x.R == y.R && x.p == y.p &&
+    return x.type == y.type && x.parent == y.parent && x.R.matrix() == y.R.matrix() && x.p == y.p &&
            x.lower == y.lower && x.upper == y.upper && x.max_velocity == y.max_velocity &&
            x.max_effort == y.max_effort && x.viscous_friction == y.viscous_friction &&
            x.coulomb_friction == y.coulomb_friction && x.rotor_inertia == y.rotor_inertia &&

@@ -297,7 +297,7 @@ TEST_CASE("on shipped robots packs differ by 1e-13, or by no more than inputs of
             return (Delta_Omega - response.d.Delta_Omega).norm() / response.d.Delta_Omega.norm();
           };
           packs = std::max(packs, error(got.values.Delta_Omega.row(i)));
-          for (int k = 0; k < 4; ++k)
+          for (int k = 0; k < 8; ++k)
             inputs = std::max(inputs, error(respond_to(i, 1).d.Delta_Omega));
         }
         INFO(name << ", rotor inertia " << rotor << ", " << kernel->lanes << " lanes: packs "

@@ -99,7 +99,7 @@ TEST_CASE("the inertia matrix is symmetric, positive definite and gives the bodi
       for (int k = 0; k < n; ++k) {
         const Joint& joint = robot.joints[static_cast<std::size_t>(k)];
         const double phi = state.phi(k) + s * state.phidot(k);
-        const Pose mount{joint.p, Eigen::Quaterniond(joint.R)};
+        const Pose mount{joint.p, Eigen::Quaterniond(joint.R.matrix())};
         const Pose move = joint.is_prismatic() ? Pose{{0, 0, phi}, Eigen::Quaterniond::Identity()}
                                                : Pose{{0, 0, 0}, rotation_exp({0, 0, phi})};
         poses.push_back(poses[static_cast<std::size_t>(joint.parent + 1)] * mount * move);
@@ -182,7 +182,7 @@ TEST_CASE("body frames are the product of mounts and joint motions") {
       const Joint& joint = robot.joints[i];
       const Pose parent =
           joint.parent == kBase ? Pose{} : poses[static_cast<std::size_t>(joint.parent)];
-      const Pose mount{joint.p, Eigen::Quaterniond(joint.R)};
+      const Pose mount{joint.p, Eigen::Quaterniond(joint.R.matrix())};
       const Vector3d axis(0, 0, state.phi(k));
       const Pose move = joint.is_prismatic() ? Pose{axis, Eigen::Quaterniond::Identity()}
                                              : Pose{{0, 0, 0}, rotation_exp(axis)};

@@ -40,7 +40,7 @@ TEST_CASE("random planar robots stay in their plane") {
     const RobotModel robot = random_planar_robot(random, 1 + random.index(5));
     CHECK(robot.p_hand.z() == 0);
     for (int k = 0; k < robot.n(); ++k) {
-      CHECK(robot.joints[k].R.col(2) == Vector3d::UnitZ());
+      CHECK(robot.joints[k].R.matrix().col(2) == Vector3d::UnitZ());
       CHECK(robot.joints[k].p.z() == 0);
       CHECK(robot.bodies[k].centroid.z() == 0);
       CHECK(inertia_fault(robot.bodies[k].inertia).empty());

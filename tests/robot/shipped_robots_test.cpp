@@ -25,7 +25,7 @@ Pose hand_pose(const RobotModel& robot, const std::vector<double>& phi) {
     const Joint& joint = robot.joints[k];
     const Pose turn{Vector3d::Zero(),
                     Eigen::Quaterniond(Eigen::AngleAxisd(phi[k], Vector3d::UnitZ()))};
-    pose = Pose{joint.p, Eigen::Quaterniond(joint.R)} * turn * pose;
+    pose = Pose{joint.p, Eigen::Quaterniond(joint.R.matrix())} * turn * pose;
   }
   return pose;
 }
@@ -150,11 +150,11 @@ TEST_CASE("joint 1 of DEOS has SpaceDyn's axes: turns about x, new y, new z") {
                              Eigen::AngleAxisd(-45 * deg, Vector3d::UnitY()) *
                              Eigen::AngleAxisd(90 * deg, Vector3d::UnitZ()))
                                 .toRotationMatrix();
-  CHECK((shipped("deos").joints[0].R - expected).norm() < 1e-14);
+  CHECK((shipped("deos").joints[0].R.matrix() - expected).norm() < 1e-14);
   const Matrix3d third = (Eigen::AngleAxisd(90 * deg, Vector3d::UnitX()) *
                           Eigen::AngleAxisd(180 * deg, Vector3d::UnitZ()))
                              .toRotationMatrix();
-  CHECK((shipped("deos").joints[2].R - third).norm() < 1e-14);
+  CHECK((shipped("deos").joints[2].R.matrix() - third).norm() < 1e-14);
 }
 
 TEST_CASE("the servicer's arm stretches straight up from its mount") {

@@ -114,7 +114,7 @@ std::vector<Pose> body_poses(const RobotModel& robot, const std::vector<double>&
       motion.orientation = Eigen::AngleAxisd(phi[k], Vector3d::UnitZ());
     }
     const Pose parent = joint.parent == kBase ? Pose{} : poses[joint.parent];
-    poses.push_back(parent * Pose{joint.p, Eigen::Quaterniond(joint.R)} * motion);
+    poses.push_back(parent * Pose{joint.p, Eigen::Quaterniond(joint.R.matrix())} * motion);
   }
   return poses;
 }
@@ -202,7 +202,7 @@ TEST_CASE("merged bodies have the motion and mass of the links of the file, on r
 
     for (int k = 0; k < robot.n(); ++k) {
       CHECK(robot.joints[k].parent < k);
-      const Matrix3d& R = robot.joints[k].R;
+      const Matrix3d& R = robot.joints[k].R.matrix();
       CHECK((R * R.transpose() - Matrix3d::Identity()).norm() < 1e-14);
       CHECK(R.determinant() > 0);
     }
@@ -249,7 +249,7 @@ TEST_CASE("limits, rates, efforts and friction come from the file") {
   CHECK(
       (c.lower == -kInfinity && c.upper == kInfinity && c.max_velocity == 7 && c.max_effort == 8));
   // URDF's default axis is x.
-  CHECK((r.R.col(2) - Vector3d::UnitX()).norm() < 1e-15);
+  CHECK((r.R.matrix().col(2) - Vector3d::UnitX()).norm() < 1e-15);
 }
 
 TEST_CASE("joint axes become the z axis of their body, in every direction") {
@@ -261,11 +261,38 @@ TEST_CASE("joint axes become the z axis of their body, in every direction") {
   for (const Vector3d& axis : axes) {
     const RobotModel robot = read(link("base") + link("a") +
                                   joint("j", "base", "a", "<axis xyz=" + text_of(axis) + "/>"));
-    const Matrix3d& R = robot.joints[0].R;
+    const Matrix3d& R = robot.joints[0].R.matrix();
     INFO(axis.transpose());
     CHECK((R.col(2) - axis.stableNormalized()).norm() < 1e-15);
     CHECK((R * R.transpose() - Matrix3d::Identity()).norm() < 1e-14);
     CHECK(R.determinant() == Approx(1).epsilon(1e-14));
+  }
+}
+
+TEST_CASE("right angles of a file are exact, other angles stay as they are") {
+  const auto joint_at = [](const Vector3d& rpy, const Vector3d& axis) {
+    return read(link("base") + link("a") +
+                joint("j", "base", "a",
+                      "<origin rpy=" + text_of(rpy) + "/><axis xyz=" + text_of(axis) + "/>"))
+        .joints[0];
+  };
+  const double right = 1.5707963267948966;
+  for (int trial = 0; trial < 64; ++trial) {
+    const Vector3d rpy(right * (trial % 4), right * (trial / 4 % 4), right * (trial / 16));
+    INFO(rpy.transpose());
+    for (const Vector3d& axis : {Vector3d(0, 0, 1), Vector3d(0, -1, 0), Vector3d(2, 0, 0)}) {
+      const Joint j = joint_at(rpy, axis);
+      const Matrix3d& R = j.R.matrix();
+      CHECK(j.R.are_permuted());
+      CHECK((R * R.transpose()) == Matrix3d::Identity());
+      const Matrix3d stated = rotation_rpy(rpy.x(), rpy.y(), rpy.z()).toRotationMatrix();
+      CHECK((R.col(2) - stated * axis.normalized()).norm() < 1e-15);
+    }
+    const double off = 1e-14 * (1 + trial);
+    const Joint j = joint_at(rpy + Vector3d(off, 0, 0), {0, 0, 1});
+    CHECK(!j.R.are_permuted());
+    const Matrix3d stated = rotation_rpy(rpy.x() + off, rpy.y(), rpy.z()).toRotationMatrix();
+    CHECK((j.R.matrix() - stated).norm() < 3e-15);
   }
 }
 

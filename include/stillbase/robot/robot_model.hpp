@@ -7,6 +7,7 @@
 // order, so a parent's index is always smaller than its child's.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <string>
 #include <variant>
@@ -23,20 +24,45 @@ inline constexpr int kBase = -1;  ///< body index of the base
 
 enum class JointType { Revolute, Continuous, Prismatic };
 
+/// The axes of one frame in another, which never change. Products with axes that are those of the
+/// other frame in another order or with other signs, without rounding, need no multiplications:
+/// whenever axes are assigned it is found out whether each has one entry alone.
+class ConstantAxes {
+ public:
+  ConstantAxes() : ConstantAxes(Matrix3d::Identity()) {}
+  /// @param R a rotation, which may be assigned like a matrix
+  template <class Derived>
+  ConstantAxes(const Eigen::MatrixBase<Derived>& R) : R_(R) {  // NOLINT: implicit
+    find_rows();
+  }
+
+  const Matrix3d& matrix() const { return R_; }
+  /// Each axis is one of the other frame's, or its opposite.
+  bool are_permuted() const { return rows_[0] >= 0; }
+  /// @param j 0 to 2 @pre are_permuted() @return where column j of the matrix has its only entry
+  int row(int j) const { return rows_[static_cast<std::size_t>(j)]; }
+
+ private:
+  void find_rows();
+
+  Matrix3d R_;
+  std::array<signed char, 3> rows_;
+};
+
 /// A joint connects body `parent` to the body that it moves.
 struct Joint {
   std::string name;
   JointType type = JointType::Revolute;
-  int parent = kBase;                 ///< body index, kBase for the base
-  Matrix3d R = Matrix3d::Identity();  ///< axes of the joint's frame at zero in the parent's frame
-  Vector3d p = Vector3d::Zero();      ///< origin of the joint's frame in the parent's frame, m
-  double lower = -kInfinity;          ///< rad or m
-  double upper = kInfinity;           ///< rad or m
-  double max_velocity = kInfinity;    ///< rad/s or m/s
-  double max_effort = kInfinity;      ///< N m or N
-  double viscous_friction = 0;        ///< URDF damping, N m s/rad
-  double coulomb_friction = 0;        ///< URDF friction, N m
-  double rotor_inertia = 0;           ///< of the drive about its own axis, kg m^2
+  int parent = kBase;               ///< body index, kBase for the base
+  ConstantAxes R;                   ///< axes of the joint's frame at zero in the parent's frame
+  Vector3d p = Vector3d::Zero();    ///< origin of the joint's frame in the parent's frame, m
+  double lower = -kInfinity;        ///< rad or m
+  double upper = kInfinity;         ///< rad or m
+  double max_velocity = kInfinity;  ///< rad/s or m/s
+  double max_effort = kInfinity;    ///< N m or N
+  double viscous_friction = 0;      ///< URDF damping, N m s/rad
+  double coulomb_friction = 0;      ///< URDF friction, N m
+  double rotor_inertia = 0;         ///< of the drive about its own axis, kg m^2
   double gear_ratio = 1;  ///< rate of the rotor per rate of the joint, 1 (prismatic: rad/m)
   /// What the drive adds to the diagonal of H_phi: gear_ratio^2 rotor_inertia, kg m^2 or kg.
   ///

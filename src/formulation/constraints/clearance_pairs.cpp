@@ -62,9 +62,9 @@ bool are_always_within(double distance, const Joint& joint, const ClearanceShape
     const Vector3d along(0, 0, phi);
     const Matrix3d turn = joint.is_prismatic() ? Matrix3d(Matrix3d::Identity())
                                                : rotation_exp(along).toRotationMatrix();
-    const Matrix3d R = joint.R * turn;
-    const Vector3d o =
-        joint.p + (joint.is_prismatic() ? Vector3d(joint.R * along) : Vector3d(Vector3d::Zero()));
+    const Matrix3d R = joint.R.matrix() * turn;
+    const Vector3d o = joint.p + (joint.is_prismatic() ? Vector3d(joint.R.matrix() * along)
+                                                       : Vector3d(Vector3d::Zero()));
     const PlacedShape<double> a{&child, R * child.R, o + R * child.p};
     const PlacedShape<double> b{&parent, parent.R, parent.p};
     if (separate<double>(a, b).distance > distance) return false;
