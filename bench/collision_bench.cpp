@@ -254,25 +254,18 @@ void path_posture_from_joints(benchmark::State& state) {
 }
 BENCHMARK(path_posture_from_joints);
 
-/// FCL's distance of every pair.
-void path_posture_fcl_pairs(benchmark::State& state) {
+/// By FCL's distances: of every pair, and of the pairs that its broadphase leaves.
+void path_posture_fcl(benchmark::State& state,
+                      bool (FclScene::*hits_by_fcl)(const PlacedPosture&, double)) {
   const CheckedPath& path = checked_path();
   FclScene scene(path);
   measure_checks(state, path.margin, [&](const PlacedPosture& posture) {
-    return scene.hits_by_pairs(posture, path.margin);
+    return (scene.*hits_by_fcl)(posture, path.margin);
   });
 }
-BENCHMARK(path_posture_fcl_pairs)->Name("path_posture/fcl_pairs");
-
-/// FCL's distance of the pairs that its broadphase leaves.
-void path_posture_fcl_tree(benchmark::State& state) {
-  const CheckedPath& path = checked_path();
-  FclScene scene(path);
-  measure_checks(state, path.margin, [&](const PlacedPosture& posture) {
-    return scene.hits_by_tree(posture, path.margin);
-  });
-}
-BENCHMARK(path_posture_fcl_tree)->Name("path_posture/fcl_tree");
+BENCHMARK_CAPTURE(path_posture_fcl, pairs, &FclScene::hits_by_pairs)
+    ->Name("path_posture/fcl_pairs");
+BENCHMARK_CAPTURE(path_posture_fcl, tree, &FclScene::hits_by_tree)->Name("path_posture/fcl_tree");
 
 /// Overlap alone, which is less than a path asks for.
 void path_posture_fcl_overlap(benchmark::State& state) {

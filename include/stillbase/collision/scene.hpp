@@ -154,7 +154,7 @@ class CollisionScene {
                     const std::vector<std::size_t>* among = nullptr) const;
 
   /// sweep() with the target at one pose after the other: the worst verdict, the pairs that are
-  /// unsure beside any of them.
+  /// unsure beside any of them, `closest` beside the last one with that verdict.
   SweepResult sweep_each(const Kinematics<double>& kinematics, const Pose& base,
                          const std::vector<Pose>& targets, const SceneTravel& travel, double margin,
                          const std::vector<std::size_t>* among = nullptr) const;
